@@ -94,7 +94,7 @@ class Quantity:
         return kind(number)
 
     def _remedy(self) -> str:
-        return f"it is the {self.description[:1].lower()}{self.description[1:]}".rstrip(".")
+        return f"meaning: {self.description}".rstrip(".") if self.description else ""
 
 
 def quantity(default: Any, unit: str = "1", description: str = "", **more: Any) -> Any:
