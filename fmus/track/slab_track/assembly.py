@@ -1,0 +1,175 @@
+r"""The linear track of one window: two rails, fasteners, slabs on their CAM layer.
+
+The line is mirror-symmetric about its middle plane. With the orthonormal
+combinations :math:`f_s=(f_L+f_R)/\sqrt2` and :math:`f_a=(f_R-f_L)/\sqrt2` of
+everything that exists left and right, the track falls into two systems that do
+not know each other: the symmetric one with the slab modes even in y (bounce,
+pitch, bending) and the antisymmetric one with the odd ones (roll, twist).
+
+Fasteners are equidistant across slab joints, at :math:`x_i=(i-1/2)l_0`. There
+the shapes sin(k pi x/l) of all k repeat those of the first P = l/l_0 wave
+numbers (up to a sign): a sum over all modes at all fasteners folds to a P x P
+product.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from slab_track.parameters import TrackParameters
+from slab_track.plate import PlateModes, free_plate_modes
+from slab_track.rail import RailModes, vertical_modes
+
+SYMMETRIC, ANTISYMMETRIC = 0, 1
+
+
+class SlabSystem(NamedTuple):
+    """Slab modes of one symmetry class on the CAM layer, alike for every slab.
+
+    Attributes
+    ----------
+    omega_squared
+        Plate and layer together, rad2/s2, shape (n,).
+    damping
+        Twice the modal damping rate, 1/s, shape (n,).
+    seats
+        Shape at the rail seats times sqrt(2) for the pair of rails, kg^-1/2, shape (n, C).
+    """
+
+    omega_squared: np.ndarray
+    damping: np.ndarray
+    seats: np.ndarray
+
+
+class LinearTrack(NamedTuple):
+    """Everything linear in a window, ready for statics, stepping and receptances.
+
+    Attributes
+    ----------
+    rail
+        Modes of one rail (the same for both symmetry classes).
+    slabs
+        Symmetric and antisymmetric slab system.
+    fastener_sines
+        sin(kappa pi (i - 1/2) / P), shape (P, P): row kappa - 1, column fastener.
+    fold_index, fold_sign
+        For every wave number the row of ``fastener_sines`` it repeats and its sign
+        (0 where the shape vanishes at all fasteners), shape (N,).
+    stiffness, damping
+        Of one fastener, N/m and N.s/m.
+    slab_count, seat_count
+        Slabs in the window, fasteners per slab and rail.
+    length
+        Length of the window, m.
+    """
+
+    rail: RailModes
+    slabs: tuple[SlabSystem, SlabSystem]
+    fastener_sines: np.ndarray
+    fold_index: np.ndarray
+    fold_sign: np.ndarray
+    stiffness: float
+    damping: float
+    slab_count: int
+    seat_count: int
+    length: float
+
+    @property
+    def fastener_count(self) -> int:
+        """Fasteners per rail in the window, P."""
+        return self.slab_count * self.seat_count
+
+    def fold(self, amplitudes: np.ndarray) -> np.ndarray:
+        """Sum wave amplitudes (N, ...) of equal shape at the fasteners into (P, ...)."""
+        folded = np.zeros((self.fastener_count, *amplitudes.shape[1:]))
+        signed = amplitudes * self.fold_sign.reshape(-1, *[1] * (amplitudes.ndim - 1))
+        np.add.at(folded, self.fold_index, signed)
+        return folded
+
+    def unfold(self, folded: np.ndarray) -> np.ndarray:
+        """Transpose of :meth:`fold`."""
+        sign = self.fold_sign.reshape(-1, *[1] * (folded.ndim - 1))
+        return folded[self.fold_index] * sign
+
+    def wave_shapes(self, x: np.ndarray) -> np.ndarray:
+        """Return sin(k pi x / l) at positions x in the window, shape (N, points)."""
+        return np.sin(np.outer(self.rail.wave_number, x))
+
+    def fastener_admittance(self, rail_weight: np.ndarray, slab_weight: np.ndarray,
+                            symmetry: int) -> np.ndarray:
+        """Return Z^T diag(weight) Z at the fasteners, rail plus slab, shape (P, P).
+
+        ``rail_weight`` (2, N) and ``slab_weight`` (n,) are response per unit modal
+        force: 1/omega2 gives the static compliance, the integrator's own weight the
+        response within a step.
+        """
+        beta = np.sum(self.rail.deflection**2 * rail_weight, axis=0)
+        classes = np.zeros(self.fastener_count)
+        np.add.at(classes, self.fold_index, beta * self.fold_sign**2)
+        admittance = self.fastener_sines.T @ (classes[:, None] * self.fastener_sines)
+        seats = self.slabs[symmetry].seats
+        block = seats.T @ (slab_weight[:, None] * seats)
+        for slab in range(self.slab_count):
+            rows = slice(slab * self.seat_count, (slab + 1) * self.seat_count)
+            admittance[rows, rows] += block
+        return admittance
+
+
+def _fold_table(mode_count: int, fastener_count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Row and sign that sin(k pi (i-1/2)/P) takes among the first P wave numbers."""
+    k = np.arange(1, mode_count + 1)
+    turn, rest = np.divmod(k, 2 * fastener_count)
+    mirrored = np.where(rest > fastener_count, 2 * fastener_count - rest, rest)
+    sign = np.where(turn % 2 == 0, 1.0, -1.0) * (mirrored > 0)
+    return np.maximum(mirrored - 1, 0), sign
+
+
+def plate_modes(parameters: TrackParameters) -> PlateModes:
+    """Return the modes of one free slab."""
+    slab = parameters.slab
+    return free_plate_modes(
+        length=parameters.slab_length,
+        width=slab.width,
+        thickness=slab.thickness,
+        youngs_modulus=slab.youngs_modulus,
+        poisson_ratio=slab.poisson_ratio,
+        density=slab.density,
+        count=slab.mode_count,
+    )
+
+
+def _slab_systems(parameters: TrackParameters) -> tuple[SlabSystem, SlabSystem]:
+    slab, fastener = parameters.slab, parameters.fastener
+    plate = plate_modes(parameters)
+    stiffness, damping = parameters.support_per_area
+    mass_per_area = slab.density * slab.thickness
+    # A uniform layer is proportional to the plate's mass: it shifts every mode alike.
+    omega_squared = plate.omega_squared + stiffness / mass_per_area
+    rate = 2.0 * slab.damping_ratio * np.sqrt(plate.omega_squared) + damping / mass_per_area
+    seats_x = (np.arange(fastener.count_per_slab) + 0.5) * fastener.spacing - 0.5 * parameters.pitch
+    right = np.full_like(seats_x, 0.5 * parameters.contact.rolling_circle_distance)
+    shapes = np.sqrt(2.0) * plate.shapes(seats_x, right)
+    systems = [
+        SlabSystem(omega_squared[of], rate[of], np.ascontiguousarray(shapes[of]))
+        for of in (plate.even, ~plate.even)
+    ]
+    return systems[0], systems[1]
+
+
+def assemble(parameters: TrackParameters) -> LinearTrack:
+    """Build the linear track of a window from its parameters."""
+    count = parameters.fastener_count
+    index, sign = _fold_table(parameters.rail.mode_count, count)
+    kappa, i = np.arange(1, count + 1), np.arange(1, count + 1)
+    return LinearTrack(
+        rail=vertical_modes(parameters.rail, parameters.window_length),
+        slabs=_slab_systems(parameters),
+        fastener_sines=np.sin(np.pi / count * np.outer(kappa, i - 0.5)),
+        fold_index=index,
+        fold_sign=sign,
+        stiffness=parameters.fastener.vertical_stiffness,
+        damping=parameters.fastener.vertical_damping,
+        slab_count=parameters.window.slab_count,
+        seat_count=parameters.fastener.count_per_slab,
+        length=parameters.window_length,
+    )

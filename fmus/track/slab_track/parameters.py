@@ -1,0 +1,342 @@
+"""Parameters of the slab track: Table 2 of the article, HD line, by default.
+
+The article is "Study on Steady-State Responses of High-Speed Vehicle Using
+Infinite Long Track Model"; values without another source are its Table 2.
+"""
+
+import dataclasses
+import math
+
+from rail_quantities import ParameterError, ParameterSet, quantity
+
+WHEELSET_LIMIT = 4
+"""Largest number of wheelset terminals."""
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Rail(ParameterSet):
+    """One rail: a Timoshenko beam, hinged at the ends of the window."""
+
+    GROUP = "rail"
+    youngs_modulus: float = quantity(
+        2.059e11, "Pa", "Young's modulus of the rail", symbol="E", above=0.0
+    )
+    shear_modulus: float = quantity(
+        7.9e10, "Pa", "Shear modulus of the rail", symbol="G", above=0.0
+    )
+    density: float = quantity(7860.0, "kg/m3", "Density of the rail", symbol="rho", above=0.0)
+    area: float = quantity(
+        7.745e-3, "m2", "Cross-sectional area of the rail", symbol="A", above=0.0
+    )
+    vertical_second_moment: float = quantity(
+        3.217e-5, "m4", "Second moment of area for vertical bending", symbol="I_y", above=0.0
+    )
+    vertical_shear_coefficient: float = quantity(
+        0.5329,
+        "1",
+        "Timoshenko shear coefficient, vertical",
+        symbol="kappa_z",
+        above=0.0,
+        at_most=1.0,
+    )
+    mode_count: int = quantity(
+        800,
+        "1",
+        "Number of wave numbers of the rail's modal series, two branches each",
+        symbol="N_V",
+        at_least=8,
+        at_most=4000,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Fastener(ParameterSet):
+    """Rail pads and fasteners, one per rail seat."""
+
+    GROUP = "fastener"
+    spacing: float = quantity(
+        0.629,
+        "m",
+        "Distance of neighbouring fasteners (sleeper bay)",
+        symbol="l_0",
+        at_least=0.1,
+        at_most=5.0,
+    )
+    count_per_slab: int = quantity(
+        8, "1", "Fasteners per slab and rail", at_least=1, at_most=40
+    )
+    vertical_stiffness: float = quantity(
+        40e6, "N/m", "Vertical stiffness of one fastener", symbol="K_pv", above=0.0, nominal=40e6
+    )
+    vertical_damping: float = quantity(
+        52e3, "N.s/m", "Vertical damping of one fastener", symbol="C_pv", at_least=0.0, nominal=50e3
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Slab(ParameterSet):
+    """One slab: a free rectangular elastic plate in modal coordinates."""
+
+    GROUP = "slab"
+    length: float = quantity(
+        0.0,
+        "m",
+        "Length of a slab; 0 takes fastener.count_per_slab * fastener.spacing - slab.gap",
+        symbol="L_s",
+        at_least=0.0,
+    )
+    width: float = quantity(2.5, "m", "Width of a slab", symbol="D_s", above=0.0)
+    thickness: float = quantity(0.17, "m", "Thickness of a slab", symbol="H_s", above=0.0)
+    density: float = quantity(2800.0, "kg/m3", "Density of the slab", symbol="rho_s", above=0.0)
+    youngs_modulus: float = quantity(
+        3.6e10, "Pa", "Young's modulus of the slab", symbol="E_s", above=0.0
+    )
+    poisson_ratio: float = quantity(
+        0.2,
+        "1",
+        "Poisson's ratio of the slab",
+        symbol="nu_s",
+        at_least=0.0,
+        below=0.5,
+        source="usual value of concrete; not printed in the article",
+    )
+    damping_ratio: float = quantity(
+        0.0,
+        "1",
+        "Modal damping ratio of the elastic slab modes, eq. (7)",
+        symbol="zeta_n",
+        at_least=0.0,
+        below=1.0,
+        source="not printed in the article; the damping of the CAM layer dominates",
+    )
+    gap: float = quantity(
+        0.070,
+        "m",
+        "Gap between neighbouring slabs; used when slab.length is 0",
+        at_least=0.0,
+        source="difference of the bays' length and the slab length in Table 2",
+    )
+    mode_count: int = quantity(
+        120,
+        "1",
+        "Plate modes per slab, the three rigid ones included",
+        at_least=3,
+        at_most=600,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SlabSupport(ParameterSet):
+    """The cement-asphalt-mortar (CAM) layer under the slab."""
+
+    GROUP = "slab_support"
+    vertical_stiffness: float = quantity(
+        5000e6, "N/m", "Vertical stiffness of the layer per basis", symbol="K_sv", above=0.0
+    )
+    vertical_damping: float = quantity(
+        300e3, "N.s/m", "Vertical damping of the layer per basis", symbol="C_sv", at_least=0.0
+    )
+    basis: str = quantity(
+        "per_bay",
+        "1",
+        "What stiffness and damping of the layer refer to; a bay carries both rails. "
+        "The values are then per bay, seat, slab, metre of line or square metre",
+        choices=("per_bay", "per_seat", "per_slab", "per_metre", "per_square_metre"),
+        source="not said in the article; its Table 3 comes out with per_bay",
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Window(ParameterSet):
+    """The piece of track that moves along with the vehicle."""
+
+    GROUP = "window"
+    slab_count: int = quantity(13, "1", "Slabs in the window", at_least=3, at_most=200)
+    method: str = quantity(
+        "sliding",
+        "1",
+        "sliding: the window follows the vehicle; moving_mass: it stays, and the run ends "
+        "before a wheel comes too near to its end",
+        choices=("sliding", "moving_mass"),
+    )
+    slide_solver: str = quantity(
+        "least_squares",
+        "1",
+        "How eq. (10) is solved: least_squares, eq. (11), or triangular (needs as many "
+        "samples as modes)",
+        choices=("least_squares", "triangular"),
+    )
+    sample_count: int = quantity(
+        0,
+        "1",
+        "Sample points of the least squares along the window; 0 takes 5/4 of rail.mode_count",
+        symbol="M",
+        at_least=0,
+        at_most=20000,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Contact(ParameterSet):
+    """Wheel/rail contact."""
+
+    GROUP = "contact"
+    hertz_constant: float = quantity(
+        0.0,
+        "m/N^(2/3)",
+        "Hertz constant of eq. (1); 0 takes 3.86e-8 R^-0.115, a worn tread of radius R",
+        symbol="G_H",
+        at_least=0.0,
+        at_most=1e-5,
+        source="worn tread formula: Zhai, Vehicle-Track Coupled Dynamics",
+    )
+    wheel_radius: float = quantity(
+        0.46, "m", "Nominal rolling radius of the wheels", symbol="R_w", above=0.0
+    )
+    rolling_circle_distance: float = quantity(
+        1.493,
+        "m",
+        "Lateral distance of the two rolling circles",
+        above=0.1,
+        source="Chinese standard-gauge lines",
+    )
+
+    @property
+    def hertz_constant_used(self) -> float:
+        """The constant of eq. (1) in m/N^(2/3), from the parameter or the radius."""
+        return self.hertz_constant or 3.86e-8 * self.wheel_radius**-0.115
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Integration(ParameterSet):
+    """Time integration inside the track."""
+
+    GROUP = "integration"
+    maximum_step: float = quantity(
+        5e-5,
+        "s",
+        "Largest internal step; a communication step is divided into equal parts of at most this",
+        at_least=1e-7,
+        at_most=1e-3,
+    )
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class TrackParameters(ParameterSet):
+    """All parameters of the track, grouped as their dotted names are."""
+
+    rail: Rail = dataclasses.field(default_factory=Rail)
+    fastener: Fastener = dataclasses.field(default_factory=Fastener)
+    slab: Slab = dataclasses.field(default_factory=Slab)
+    slab_support: SlabSupport = dataclasses.field(default_factory=SlabSupport)
+    window: Window = dataclasses.field(default_factory=Window)
+    contact: Contact = dataclasses.field(default_factory=Contact)
+    integration: Integration = dataclasses.field(default_factory=Integration)
+    static_wheel_load: float = quantity(
+        69214.4,
+        "N",
+        "Static load of one wheel; the line is in equilibrium under it at the start",
+        at_least=0.0,
+        nominal=7e4,
+        source="an eighth of the weight of the article's vehicle, 9.81 m/s2",
+    )
+    interface: str = quantity(
+        "contact",
+        "1",
+        "contact: wheelset motion in, contact forces out; applied_force: forces at the rail "
+        "heads in, motion of the rails out",
+        choices=("contact", "applied_force"),
+    )
+    wheelset_count: int = quantity(
+        4, "1", "Number of wheelset terminals in use", at_least=1, at_most=WHEELSET_LIMIT
+    )
+    initial_position: float = quantity(
+        0.0,
+        "m",
+        "Start of the leading wheelset where no longitudinal position is given",
+    )
+
+    @property
+    def pitch(self) -> float:
+        """Length of one slab and one gap along the line, m."""
+        return self.fastener.count_per_slab * self.fastener.spacing
+
+    @property
+    def slab_length(self) -> float:
+        """Length of a slab in m, given or derived from the fasteners."""
+        return self.slab.length or self.pitch - self.slab.gap
+
+    @property
+    def window_length(self) -> float:
+        """Length l of the window, m."""
+        return self.window.slab_count * self.pitch
+
+    @property
+    def fastener_count(self) -> int:
+        """Fasteners per rail in the window."""
+        return self.window.slab_count * self.fastener.count_per_slab
+
+    @property
+    def sample_count(self) -> int:
+        """Sample points M of the slide."""
+        count = self.rail.mode_count
+        if self.window.slide_solver == "triangular":
+            return self.window.sample_count or count
+        return self.window.sample_count or math.ceil(1.25 * count)
+
+    @property
+    def support_per_area(self) -> tuple[float, float]:
+        """Stiffness (N/m3) and damping (N.s/m3) of the CAM layer per square metre of slab."""
+        bay = self.fastener.spacing * self.slab.width
+        area = {
+            "per_bay": bay,
+            "per_seat": 0.5 * bay,
+            "per_slab": self.slab_length * self.slab.width,
+            "per_metre": self.slab.width,
+            "per_square_metre": 1.0,
+        }[self.slab_support.basis]
+        support = self.slab_support
+        return support.vertical_stiffness / area, support.vertical_damping / area
+
+    def check(self) -> None:
+        """Check the rules between several parameters."""
+        first_seat = 0.5 * (self.pitch - self.slab_length)
+        if self.slab_length > self.pitch or self.slab_length <= 0.0:
+            raise ParameterError(
+                "slab.length",
+                self.slab_length,
+                f"must be above 0 and at most the {self.pitch:g} m between slabs",
+                "change slab.length, slab.gap, fastener.spacing or fastener.count_per_slab",
+            )
+        if 0.5 * self.fastener.spacing <= first_seat:
+            raise ParameterError(
+                "slab.gap",
+                self.pitch - self.slab_length,
+                f"must be less than the {self.fastener.spacing:g} m between fasteners",
+                "the outer fasteners would stand beside the slab",
+            )
+        if self.contact.rolling_circle_distance >= self.slab.width:
+            raise ParameterError(
+                "slab.width",
+                self.slab.width,
+                f"must be more than the {self.contact.rolling_circle_distance:g} m between rails",
+                "widen the slab or reduce contact.rolling_circle_distance",
+            )
+        self._check_samples()
+
+    def _check_samples(self) -> None:
+        count, modes = self.window.sample_count, self.rail.mode_count
+        if count and self.window.slide_solver == "triangular" and count != modes:
+            raise ParameterError(
+                "window.sample_count",
+                count,
+                f"must equal rail.mode_count = {modes} with the triangular solver",
+                "set it to 0, or take window.slide_solver = least_squares",
+            )
+        if count and count <= modes and self.window.slide_solver == "least_squares":
+            raise ParameterError(
+                "window.sample_count",
+                count,
+                f"must be more than rail.mode_count = {modes} for a least-squares fit",
+                "set it to 0 for the default",
+            )

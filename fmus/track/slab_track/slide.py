@@ -1,0 +1,87 @@
+r"""The slide of the window: eqs. (8)-(11) of the article as constant matrices.
+
+When the window moves on by one pitch :math:`L_m`, the new coordinates must
+reproduce the old field, :math:`\Phi Q = D` (eq. (10)), where D is the old field
+at the sample points moved by :math:`L_m` and zero beyond the old front end
+(eq. (9)). D is linear in the old coordinates, so a slide is one matrix for the
+deflection (sines) and one for the rotation (cosines), applied to displacement,
+velocity and acceleration alike.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from slab_track.rail import RailModes
+
+
+class SlideOperator(NamedTuple):
+    """Matrices that move the modal series back by one pitch.
+
+    Attributes
+    ----------
+    deflection, rotation
+        New wave amplitudes from old ones, both of shape (N, N).
+    """
+
+    deflection: np.ndarray
+    rotation: np.ndarray
+
+
+def sample_points(length: float, count: int) -> np.ndarray:
+    """Return the sample points of eq. (10), at the middle of ``count`` equal segments.
+
+    The hinges are not among them: there all shapes vanish, and eq. (10) is singular.
+    """
+    return (np.arange(count) + 0.5) * length / count
+
+
+def slide_operator(
+    rail: RailModes, *, length: float, shift: float, sample_count: int, solver: str
+) -> SlideOperator:
+    """Compute the operator for a slide by ``shift`` metres.
+
+    ``solver`` is "least_squares", eq. (11), or "triangular": the LU factors of the
+    square eq. (10), as the article's Fig. 5(a).
+    """
+    points = sample_points(length, sample_count)
+    inside = (points + shift <= length)[:, None]
+
+    def matrix(shape) -> np.ndarray:
+        phi = shape(np.outer(points, rail.wave_number))
+        target = np.where(inside, shape(np.outer(points + shift, rail.wave_number)), 0.0)
+        if solver == "triangular":
+            return scipy.linalg.solve(phi, target)
+        return _least_squares(phi, target)
+
+    return SlideOperator(deflection=matrix(np.sin), rotation=matrix(np.cos))
+
+
+def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Solve eq. (11) for all right-hand sides through a QR factorisation."""
+    q, r = scipy.linalg.qr(phi, mode="economic")
+    return np.ascontiguousarray(scipy.linalg.solve_triangular(r, q.T @ target))
+
+
+def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
+    """Move modal coordinates (2, N) of the rail by one pitch.
+
+    The branches combine to wave amplitudes of deflection and rotation, these
+    slide, and separate again. The two participation vectors are orthogonal, so
+    the way back is a projection.
+    """
+    z = np.sum(rail.deflection * coordinates, axis=0)
+    psi = np.sum(rail.rotation * coordinates, axis=0)
+    z, psi = operator.deflection @ z, operator.rotation @ psi
+    # Rows of (deflection, rotation) scaled to an orthogonal 2x2 matrix per wave number.
+    norm_z = np.sum(rail.deflection**2, axis=0)
+    norm_psi = np.sum(rail.rotation**2, axis=0)
+    return rail.deflection / norm_z * z + rail.rotation / norm_psi * psi
+
+
+def slide_slabs(coordinates: np.ndarray) -> np.ndarray:
+    """Move slab coordinates (S, n) by one slab; the new slab in front is at rest."""
+    moved = np.zeros_like(coordinates)
+    moved[:-1] = coordinates[1:]
+    return moved

@@ -1,0 +1,354 @@
+r"""One internal step of the track: trapezoidal rule, fasteners and contact implicit.
+
+Every modal coordinate is a scalar oscillator
+:math:`\ddot q + c\dot q + \omega^2 q = g`. The trapezoidal rule (Newmark,
+beta = 1/4, gamma = 1/2) is unconditionally stable, of second order, exact in
+statics and conserves the energy of a linear undamped system:
+
+.. math:: \tilde q = q + h\dot q + \tfrac{h^2}{4}\ddot q,\quad
+          \tilde{\dot q} = \dot q + \tfrac h2\ddot q,\quad
+          \ddot q' = \alpha(g' - c\tilde{\dot q} - \omega^2\tilde q),\quad
+          \alpha = 1/(1 + \tfrac h2 c + \tfrac{h^2}{4}\omega^2)
+
+The modal forces g' hold the fastener forces p' and the wheel forces F', which
+depend on the new motion. With the free step (g' = 0) known, the fasteners obey
+a constant linear system, solved once per step size:
+
+.. math:: p' = D\,\tilde p + \Lambda\, Y_w F',\quad
+          D = (I + \mu Y)^{-1},\quad \Lambda = \mu D,\quad
+          \mu = k\tfrac{h^2}{4} + c\tfrac h2
+
+with Y the admittance at the fasteners, :math:`Y_w` that between fasteners and
+wheels, and :math:`\tilde p` the fastener forces of the free step. What remains
+per wheel is one scalar equation of Hertz's law with the compliance
+
+.. math:: C = \tfrac{h^2}{4}\left(Z_w^T\beta Z_w - Y_w^T\Lambda Y_w\right).
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from slab_track.assembly import LinearTrack
+
+_SQRT_HALF = np.sqrt(0.5)
+
+
+class FieldState(NamedTuple):
+    """Coordinates of one symmetry class: displacement, velocity, acceleration.
+
+    Attributes
+    ----------
+    rail
+        Shape (3, 2, N): derivative, branch, wave number.
+    slab
+        Shape (3, S, n): derivative, slab, mode.
+    """
+
+    rail: np.ndarray
+    slab: np.ndarray
+
+
+class StepOperator(NamedTuple):
+    """Constants of one symmetry class for one internal step size.
+
+    Attributes
+    ----------
+    rail_weight, slab_weight
+        alpha of each coordinate, shapes (2, N) and (n,).
+    beta
+        Deflection response per unit modal wave force, shape (N,).
+    solve, coupling
+        D and Lambda, shape (P, P).
+    """
+
+    rail_omega_squared: np.ndarray
+    rail_deflection: np.ndarray
+    rail_weight: np.ndarray
+    beta: np.ndarray
+    wave_number: np.ndarray
+    slab_omega_squared: np.ndarray
+    slab_damping: np.ndarray
+    slab_weight: np.ndarray
+    seats: np.ndarray
+    sines: np.ndarray
+    fold_index: np.ndarray
+    fold_sign: np.ndarray
+    solve: np.ndarray
+    coupling: np.ndarray
+    stiffness: float
+    damping: float
+
+
+def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperator:
+    """Return the operator for an internal step in s."""
+    rail, slab = track.rail, track.slabs[symmetry]
+    quarter = 0.25 * step**2
+    rail_weight = 1.0 / (1.0 + quarter * rail.omega_squared)
+    slab_weight = 1.0 / (1.0 + 0.5 * step * slab.damping + quarter * slab.omega_squared)
+    admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
+    mu = quarter * track.stiffness + 0.5 * step * track.damping
+    solve = np.linalg.inv(np.eye(track.fastener_count) + mu * admittance)
+    return StepOperator(
+        rail_omega_squared=rail.omega_squared,
+        rail_deflection=rail.deflection,
+        rail_weight=rail_weight,
+        beta=np.sum(rail.deflection**2 * rail_weight, axis=0),
+        wave_number=rail.wave_number,
+        slab_omega_squared=slab.omega_squared,
+        slab_damping=slab.damping,
+        slab_weight=slab_weight,
+        seats=slab.seats,
+        sines=track.fastener_sines,
+        fold_index=track.fold_index,
+        fold_sign=track.fold_sign,
+        solve=np.ascontiguousarray(solve),
+        coupling=np.ascontiguousarray(mu * solve),
+        stiffness=track.stiffness,
+        damping=track.damping,
+    )
+
+
+@numba.njit(cache=True)
+def wheel_shapes(wave_number, positions):
+    """Return sin(k pi x / l) for every wheel, shape (wheels, N), by recurrence in k."""
+    shapes = np.empty((positions.size, wave_number.size))
+    for wheel in range(positions.size):
+        theta = wave_number[0] * positions[wheel]
+        twice = 2.0 * np.cos(theta)
+        previous, current = 0.0, np.sin(theta)
+        for k in range(wave_number.size):
+            shapes[wheel, k] = current
+            previous, current = current, twice * current - previous
+    return shapes
+
+
+@numba.njit(cache=True)
+def _free_step(state, omega_squared, damping, weight, step):
+    """Advance all coordinates without any force, in place; broadcast over the first axis."""
+    q, v, a = state[0], state[1], state[2]
+    for i in range(q.shape[0]):
+        for j in range(q.shape[1]):
+            row = i if omega_squared.shape[0] > 1 else 0
+            q_free = q[i, j] + step * v[i, j] + 0.25 * step * step * a[i, j]
+            v_free = v[i, j] + 0.5 * step * a[i, j]
+            a_free = -weight[row, j] * (
+                damping[row, j] * v_free + omega_squared[row, j] * q_free
+            )
+            q[i, j] = q_free + 0.25 * step * step * a_free
+            v[i, j] = v_free + 0.5 * step * a_free
+            a[i, j] = a_free
+
+
+@numba.njit(cache=True)
+def _fastener_extension(operator, rail, slab):
+    """Force the fasteners would have: stiffness and damping on rail minus slab, shape (P,)."""
+    folded = np.zeros(operator.sines.shape[0])
+    stiffness, damping = operator.stiffness, operator.damping
+    deflection = operator.rail_deflection
+    for k in range(operator.beta.size):
+        amplitude = 0.0
+        for branch in range(2):
+            amplitude += deflection[branch, k] * (
+                stiffness * rail[0, branch, k] + damping * rail[1, branch, k]
+            )
+        folded[operator.fold_index[k]] += operator.fold_sign[k] * amplitude
+    force = folded @ operator.sines
+    seat_force = (stiffness * slab[0] + damping * slab[1]) @ operator.seats
+    return force - seat_force.ravel()
+
+
+@numba.njit(cache=True)
+def _unfolded(operator, fastener_force):
+    """Wave forces of the fasteners on the rail with positive sign, shape (N,)."""
+    folded = operator.sines @ fastener_force
+    wave = np.empty(operator.beta.size)
+    for k in range(wave.size):
+        wave[k] = operator.fold_sign[k] * folded[operator.fold_index[k]]
+    return wave
+
+
+@numba.njit(cache=True)
+def _wheel_admittance(operator, shapes):
+    """Response at the fasteners per unit wheel force, Y_w, shape (P, wheels)."""
+    folded = np.zeros((operator.sines.shape[0], shapes.shape[0]))
+    for wheel in range(shapes.shape[0]):
+        for k in range(operator.beta.size):
+            folded[operator.fold_index[k], wheel] += (
+                operator.fold_sign[k] * operator.beta[k] * shapes[wheel, k]
+            )
+    return operator.sines.T @ folded
+
+
+@numba.njit(cache=True)
+def free_class_step(operator, rail, slab, shapes, step):
+    """Step one symmetry class with fasteners but without wheel forces.
+
+    Advances ``rail`` and ``slab`` (free of all forces yet) in place and returns the
+    fastener forces without wheels (P,), the rail deflection at the wheels (wheels,),
+    the compliance there (wheels, wheels), and Y_w.
+    """
+    no_damping = np.zeros_like(operator.rail_omega_squared)
+    _free_step(rail, operator.rail_omega_squared, no_damping, operator.rail_weight, step)
+    _free_step(
+        slab,
+        operator.slab_omega_squared.reshape(1, -1),
+        operator.slab_damping.reshape(1, -1),
+        operator.slab_weight.reshape(1, -1),
+        step,
+    )
+    fastener = operator.solve @ _fastener_extension(operator, rail, slab)
+    quarter = 0.25 * step * step
+    wave = (
+        operator.rail_deflection[0] * rail[0, 0]
+        + operator.rail_deflection[1] * rail[0, 1]
+        - quarter * operator.beta * _unfolded(operator, fastener)
+    )
+    y_wheel = _wheel_admittance(operator, shapes)
+    compliance = quarter * (
+        (shapes * operator.beta) @ shapes.T - y_wheel.T @ (operator.coupling @ y_wheel)
+    )
+    return fastener, shapes @ wave, compliance, y_wheel
+
+
+@numba.njit(cache=True)
+def close_class_step(operator, rail, slab, shapes, step, fastener, forces):
+    """Add the fastener forces (P,) and wheel forces (wheels,) to a free step, in place."""
+    quarter, half = 0.25 * step * step, 0.5 * step
+    wave = forces @ shapes - _unfolded(operator, fastener)
+    for branch in range(2):
+        for k in range(wave.size):
+            a = (
+                operator.rail_weight[branch, k]
+                * operator.rail_deflection[branch, k]
+                * wave[k]
+            )
+            rail[0, branch, k] += quarter * a
+            rail[1, branch, k] += half * a
+            rail[2, branch, k] += a
+    slab_a = (
+        fastener.reshape(slab.shape[1], -1) @ operator.seats.T
+    ) * operator.slab_weight
+    slab[0] += quarter * slab_a
+    slab[1] += half * slab_a
+    slab[2] += slab_a
+
+
+@numba.njit(cache=True)
+def hertz_force(penetration, hertz_constant):
+    """Eq. (1): normal force in N from the penetration in m, zero when separated."""
+    if penetration <= 0.0:
+        return 0.0
+    return (penetration / hertz_constant) ** 1.5
+
+
+@numba.njit(cache=True)
+def _implicit_penetration(gap, compliance, hertz_constant):
+    """Solve delta + C (delta/G)^1.5 = gap for delta; the left side is convex and rising."""
+    if gap <= 0.0:
+        return gap
+    delta = gap
+    for _ in range(60):
+        force = (delta / hertz_constant) ** 1.5
+        change = (delta + compliance * force - gap) / (1.0 + 1.5 * compliance * force / delta)
+        delta -= change
+        if change < 1e-15 * gap:
+            break
+    return delta
+
+
+@numba.njit(cache=True)
+def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
+    """Solve the normal forces of all wheels, (wheels, 2), and their penetrations.
+
+    ``approach`` (wheels, 2) is the penetration that the wheels would have on rails
+    free of wheel forces. Wheel by wheel the scalar law is solved exactly; sweeps
+    account for the small compliance between different wheels.
+    """
+    count = approach.shape[0]
+    same, cross = 0.5 * (compliance_s + compliance_a), 0.5 * (compliance_s - compliance_a)
+    force, penetration = start.copy(), np.empty_like(start)
+    for _ in range(50):
+        change = 0.0
+        for wheel in range(count):
+            for side in range(2):
+                gap = approach[wheel, side]
+                for other in range(count):
+                    gap -= same[wheel, other] * force[other, side]
+                    gap -= cross[wheel, other] * force[other, 1 - side]
+                gap += same[wheel, wheel] * force[wheel, side]
+                delta = _implicit_penetration(gap, same[wheel, wheel], hertz_constant)
+                new = hertz_force(delta, hertz_constant)
+                change = max(change, abs(new - force[wheel, side]))
+                force[wheel, side], penetration[wheel, side] = new, delta
+        if change <= 1e-9:
+            break
+    return force, penetration
+
+
+@numba.njit(cache=True)
+def advance(symmetric, antisymmetric, state_s, state_a, positions, heights, force, applied,
+            hertz_constant, step):
+    """Advance the track through several internal steps, in place.
+
+    Parameters
+    ----------
+    symmetric, antisymmetric
+        Step operators.
+    state_s, state_a
+        Field states, changed in place.
+    positions
+        Wheelsets in the window at the end of each internal step, (steps, wheels), m.
+    heights
+        Heights of the wheels' lowest points against the unloaded rail head, downwards,
+        (steps, wheels, 2), m; or, where ``applied``, the forces on the rail heads, N.
+    force
+        Normal forces at the start, (wheels, 2), N.
+    applied
+        True if forces are prescribed.
+
+    Returns
+    -------
+    tuple
+        At the last internal step: normal force, penetration, rail deflection
+        (wheels, 2), fastener forces (P, 2), each with left first.
+    """
+    penetration = np.zeros_like(force)
+    fastener_s = np.zeros(symmetric.sines.shape[0])
+    fastener_a = fastener_s
+    deflection = np.zeros_like(force)
+    for n in range(positions.shape[0]):
+        shapes = wheel_shapes(symmetric.wave_number, positions[n])
+        fastener_s, free_s, compliance_s, y_s = free_class_step(
+            symmetric, state_s.rail, state_s.slab, shapes, step
+        )
+        fastener_a, free_a, compliance_a, y_a = free_class_step(
+            antisymmetric, state_a.rail, state_a.slab, shapes, step
+        )
+        if applied:
+            force = heights[n].copy()
+        else:
+            approach = heights[n].copy()
+            approach[:, 0] -= _SQRT_HALF * (free_s - free_a)
+            approach[:, 1] -= _SQRT_HALF * (free_s + free_a)
+            force, penetration = contact_forces(
+                approach, compliance_s, compliance_a, force, hertz_constant
+            )
+        force_s = _SQRT_HALF * (force[:, 0] + force[:, 1])
+        force_a = _SQRT_HALF * (force[:, 1] - force[:, 0])
+        fastener_s += symmetric.coupling @ (y_s @ force_s)
+        fastener_a += antisymmetric.coupling @ (y_a @ force_a)
+        close_class_step(
+            symmetric, state_s.rail, state_s.slab, shapes, step, fastener_s, force_s
+        )
+        close_class_step(
+            antisymmetric, state_a.rail, state_a.slab, shapes, step, fastener_a, force_a
+        )
+        u_s, u_a = free_s + compliance_s @ force_s, free_a + compliance_a @ force_a
+        deflection[:, 0] = _SQRT_HALF * (u_s - u_a)
+        deflection[:, 1] = _SQRT_HALF * (u_s + u_a)
+    fasteners = np.empty((fastener_s.size, 2))
+    fasteners[:, 0] = _SQRT_HALF * (fastener_s - fastener_a)
+    fasteners[:, 1] = _SQRT_HALF * (fastener_s + fastener_a)
+    return force, penetration, deflection, fasteners
