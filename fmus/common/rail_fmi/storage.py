@@ -1,0 +1,171 @@
+"""Values of all variables: a flat buffer for the reals, lists for the rest."""
+
+import math
+from collections.abc import Iterator, MutableMapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from rail_fmi.errors import StepError
+from rail_fmi.variables import Variable, VariableTable
+
+_PLAN_LIMIT = 256
+
+
+class AccessPlan:
+    """How to reach one list of value references of reals.
+
+    Hosts ask for the same lists at every step, so the checks and the index
+    are made once for each list.
+    """
+
+    __slots__ = ("fixed", "index", "readonly", "references")
+
+    def __init__(self, references: list[int], variables: Sequence[Variable]) -> None:
+        chosen = [_variable(variables, reference) for reference in references]
+        self.references = list(references)
+        self.index = contiguous_or_array(references)
+        self.readonly = next((v.name for v in chosen if not v.settable), "")
+        self.fixed = next((v.name for v in chosen if v.variability == "fixed"), "")
+
+
+def _variable(variables: Sequence[Variable], reference: int) -> Variable:
+    if not 0 <= reference < len(variables):
+        raise StepError(
+            f"value reference {reference} does not exist: "
+            f"there are {len(variables)} variables of this kind"
+        )
+    return variables[reference]
+
+
+def contiguous_or_array(positions: Sequence[int]) -> slice | np.ndarray:
+    """Return a slice for consecutive positions, else an index array."""
+    first, count = (positions[0] if positions else 0), len(positions)
+    if list(positions) == list(range(first, first + count)):
+        return slice(first, first + count)
+    return np.array(positions, dtype=np.intp)
+
+
+class VariableStore:
+    """The values of a table's variables.
+
+    Attributes
+    ----------
+    reals
+        float64 array; a real's value reference is its position.
+    integers, booleans, strings
+        Lists in the order of the value references.
+    """
+
+    def __init__(self, table: VariableTable) -> None:
+        self.table = table
+        self.reals = np.array([v.start for v in table.of_kind["real"]], dtype=np.float64)
+        self.integers: list[int] = [v.start for v in table.of_kind["integer"]]
+        self.booleans: list[bool] = [v.start for v in table.of_kind["boolean"]]
+        self.strings: list[str] = [v.start for v in table.of_kind["string"]]
+        self._lists: dict[str, list[Any]] = {
+            "integer": self.integers,
+            "boolean": self.booleans,
+            "string": self.strings,
+        }
+        self._plans: dict[tuple[int, int], AccessPlan] = {}
+
+    def plan(self, references: list[int]) -> AccessPlan:
+        """Return the plan of a list of value references of reals.
+
+        Raises
+        ------
+        StepError
+            For a value reference that does not exist.
+        """
+        key = (len(references), references[0] if references else -1)
+        plan = self._plans.get(key)
+        if plan is None or plan.references != references:
+            plan = AccessPlan(references, self.table.of_kind["real"])
+            if len(self._plans) >= _PLAN_LIMIT:
+                self._plans.clear()
+            self._plans[key] = plan
+        return plan
+
+    def get(self, kind: str, references: Sequence[int]) -> list[Any]:
+        """Return integers, booleans or strings by value reference."""
+        self.variables(kind, references)
+        return [self._lists[kind][reference] for reference in references]
+
+    def set(self, kind: str, references: Sequence[int], values: Sequence[Any]) -> None:
+        """Write integers, booleans or strings by value reference."""
+        for reference, value in zip(references, values, strict=True):
+            self._lists[kind][reference] = value
+
+    def variables(self, kind: str, references: Sequence[int]) -> list[Variable]:
+        """Return the variables of value references.
+
+        Raises
+        ------
+        StepError
+            For a value reference that does not exist.
+        """
+        return [_variable(self.table.of_kind[kind], reference) for reference in references]
+
+    def value(self, name: str) -> Any:
+        """Return the value of a variable by name."""
+        kind, reference = self.table[name].kind, self.table.reference(name)
+        if kind == "real":
+            return float(self.reals[reference])
+        return self._lists[kind][reference]
+
+    def write(self, name: str, value: Any) -> None:
+        """Write a value by name, in the variable's type, without checking limits."""
+        kind, reference = self.table[name].kind, self.table.reference(name)
+        if kind == "real":
+            self.reals[reference] = value
+        else:
+            self._lists[kind][reference] = {"integer": int, "boolean": bool, "string": str}[kind](
+                value
+            )
+
+    def not_finite(self, *causalities: Any) -> list[str]:
+        """Return the names of the reals of these causalities that are not finite."""
+        return [
+            f"{v.name} = {self.value(v.name)}"
+            for v in self.table.with_causality(*causalities)
+            if v.kind == "real" and not math.isfinite(self.value(v.name))
+        ]
+
+    def save(self) -> dict[str, Any]:
+        """Return all values as a flat dictionary of arrays and scalars."""
+        saved: dict[str, Any] = {"reals": self.reals}
+        saved["integers"] = np.array(self.integers, dtype=np.int64)
+        saved["booleans"] = np.array(self.booleans, dtype=np.bool_)
+        return saved | {f"string.{i}": text for i, text in enumerate(self.strings)}
+
+    def load(self, saved: dict[str, Any]) -> None:
+        """Write values saved by :meth:`save`."""
+        self.reals[:] = saved["reals"]
+        self.integers[:] = saved["integers"].tolist()
+        self.booleans[:] = saved["booleans"].tolist()
+        self.strings[:] = [saved[f"string.{i}"] for i in range(len(self.strings))]
+
+
+class ValueView(MutableMapping[str, Any]):
+    """Values by name: convenient, and slow beside the flat buffer."""
+
+    def __init__(self, store: VariableStore) -> None:
+        self._store = store
+
+    def __getitem__(self, name: str) -> Any:
+        return self._store.value(name)
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        if name not in self._store.table:
+            raise KeyError(name)
+        self._store.write(name, value)
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError(f"{name}: variables cannot be deleted")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._store.table)
+
+    def __len__(self) -> int:
+        return len(self._store.table)

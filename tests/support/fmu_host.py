@@ -1,0 +1,77 @@
+"""A real FMI host for tests: fmpy, with the messages kept and statuses returned."""
+
+import ctypes
+import tempfile
+from typing import Any
+
+import fmpy
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+from fmpy.logging import addLoggerProxy
+
+
+class Host:
+    """One FMU, extracted and loaded; several instances of it may be made."""
+
+    def __init__(self, path: str, name: str = "one", *, logging: bool = True) -> None:
+        self.folder = tempfile.mkdtemp(prefix="fmu_host_")
+        self.about = fmpy.read_model_description(path)
+        fmpy.extract(path, self.folder)
+        self.vars = {v.name: v for v in self.about.modelVariables}
+        self.log: list[tuple[int, str]] = []
+        self.callbacks = fmi2.fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._logged)
+        self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+        self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+        addLoggerProxy(ctypes.byref(self.callbacks))
+        self.fmu = fmi2.FMU2Slave(
+            guid=self.about.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=self.about.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.fmu.instantiate(callbacks=self.callbacks, loggingOn=logging)
+        self.time = 0.0
+
+    def _logged(self, _env: Any, _name: bytes, status: int, _category: bytes, text: bytes) -> None:
+        self.log.append((status, text.decode()))
+
+    def set(self, **values: Any) -> "Host":
+        """Set variables by name; ``__`` stands for a dot."""
+        for name, value in values.items():
+            variable = self.vars[name.replace("__", ".")]
+            getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [value])
+        return self
+
+    def get(self, name: str) -> Any:
+        variable = self.vars[name]
+        value = getattr(self.fmu, f"get{variable.type}")([variable.valueReference])[0]
+        return value.decode() if isinstance(value, bytes) else value
+
+    def initialize(self, **values: Any) -> "Host":
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        self.set(**values)
+        self.fmu.exitInitializationMode()
+        return self
+
+    def step(self, count: int = 1, size: float = 1e-3) -> int:
+        """Make steps; return the status of the last one made."""
+        for _ in range(count):
+            try:
+                status = self.fmu.doStep(self.time, size)
+            except FMICallException as error:
+                return error.status
+            self.time += size
+        return status
+
+    def outputs(self) -> tuple[Any, ...]:
+        return tuple(self.get(v.name) for v in self.about.modelVariables if v.causality == "output")
+
+    def texts(self, status: int = 3) -> list[str]:
+        """Return the messages of one status (3 is error)."""
+        return [text for number, text in self.log if number == status]
+
+    def close(self) -> None:
+        self.fmu.terminate()
+        self.fmu.freeInstance()

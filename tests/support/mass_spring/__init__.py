@@ -1,0 +1,1 @@
+"""A mass on a spring: the smallest slave that uses all of ``rail_fmi``."""
