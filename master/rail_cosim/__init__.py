@@ -1,0 +1,40 @@
+"""The co-simulation master: runs a vehicle FMU and a track FMU together.
+
+>>> import rail_cosim
+>>> data = rail_cosim.run(line="HD", speed=300.0, distance=100.0)  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rail_cosim.builder import build as build
+    from rail_cosim.runner import run as run
+    from rail_cosim.summary import summarise as summarise
+
+__all__ = ["build", "run", "summarise", "version"]
+
+_HOME = {
+    "build": "rail_cosim.builder",
+    "run": "rail_cosim.runner",
+    "summarise": "rail_cosim.summary",
+}
+
+
+def version() -> str:
+    """Return the version of the installed package; "unknown" in a bare source tree."""
+    try:
+        return metadata.version("rail-cosim")
+    except metadata.PackageNotFoundError:
+        return "unknown"
+
+
+def __getattr__(name: str) -> Any:
+    # Loaded on first use, so that `rail-cosim --help` does not wait for xarray.
+    if name in _HOME:
+        from importlib import import_module
+
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,70 @@
+"""Attributes of a run's Dataset: everything needed to know what it was and to repeat it."""
+
+from __future__ import annotations
+
+import datetime
+import platform
+from typing import Any
+
+from rail_cosim import version
+from rail_cosim.algorithms import Algorithm
+from rail_cosim.fmu import FmuSlave
+from rail_cosim.simulation import Outcome
+from rail_cosim.slave import Slave
+
+
+def parameter_attributes(slave: Slave) -> dict[str, Any]:
+    """Return all parameters of a slave as it holds them, named ``slave.parameter``."""
+    names = [
+        v.name
+        for v in slave.variables.values()
+        if v.causality in ("parameter", "calculatedParameter")
+    ]
+    return {f"{slave.name}.{name}": value for name, value in slave.get(names).items()}
+
+
+def fmu_attributes(slave: FmuSlave) -> dict[str, Any]:
+    """Return which FMU this was."""
+    about = slave.description
+    return {
+        f"{slave.name}_fmu": about.path.name,
+        f"{slave.name}_model": about.model_name,
+        f"{slave.name}_guid": about.guid,
+        f"{slave.name}_version": about.version,
+        f"{slave.name}_generation_tool": about.generation_tool,
+    }
+
+
+def run_attributes(outcome: Outcome, algorithm: Algorithm, command: str) -> dict[str, Any]:
+    """Return how the run went, and with what it was made."""
+    return {
+        "title": "Co-simulation of a railway vehicle on slab track",
+        "source": f"rail-cosim {version()}",
+        "python_version": platform.python_version(),
+        "command": command,
+        "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "complete": outcome.complete,
+        "ended_by": ended_by(outcome),
+        "macro_step": outcome.step_size,
+        "steps": outcome.steps,
+        "steps_planned": outcome.planned,
+        "algorithm": algorithm.name,
+        **{f"algorithm_{name}": value for name, value in algorithm.report().items()},
+        "simulated_seconds": outcome.simulated,
+        "wall_clock_seconds": outcome.wall,
+        "cpu_seconds": outcome.cpu,
+        "real_time_factor": outcome.real_time_factor,
+        "interface_energy_defect": outcome.energy.defect,
+        "interface_energy_absolute_defect": outcome.energy.absolute_defect,
+        "interface_energy_exchanged": outcome.energy.exchanged,
+        "interface_energy_share": outcome.energy.share,
+    }
+
+
+def ended_by(outcome: Outcome) -> str:
+    """Return why the run ended early, empty if it did not."""
+    if outcome.error is None:
+        return ""
+    if isinstance(outcome.error, KeyboardInterrupt):
+        return f"stopped by the user after {outcome.steps} of {outcome.planned} steps"
+    return str(outcome.error)

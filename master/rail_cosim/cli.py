@@ -1,0 +1,211 @@
+"""The command ``rail-cosim``.
+
+Exit status: 0 all right, 1 the run failed, 2 the command or a parameter is
+wrong, 130 stopped by Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import shlex
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from rail_cosim import version
+from rail_cosim.errors import RailCosimError, RunError
+
+app = typer.Typer(
+    name="rail-cosim",
+    help="Co-simulation of a high-speed railway vehicle on an endless slab track.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+)
+_out = Console()
+_err = Console(stderr=True)
+
+
+@contextlib.contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Turn errors into one block of text and an exit status."""
+    try:
+        yield
+    except RailCosimError as error:
+        _say_error(str(error))
+        raise typer.Exit(error.exit_status) from error
+    except KeyboardInterrupt as error:
+        _say_error("stopped by the user")
+        raise typer.Exit(130) from error
+
+
+def _say_error(text: str) -> None:
+    # No markup and no wrapping: names in brackets and long paths stay as they are.
+    _err.print(f"rail-cosim: error: {text}", markup=False, highlight=False, soft_wrap=True)
+
+
+class _Terminal:
+    """Reporter with a progress bar on standard error, if that is a terminal."""
+
+    def __init__(self, bar: Progress) -> None:
+        self._bar = bar
+        self._task = bar.add_task("starting", total=None)
+
+    def stage(self, text: str) -> None:
+        """Show what is being done."""
+        self._bar.update(self._task, description=text, refresh=True)
+
+    def progress(self, done: int, planned: int) -> None:
+        """Move the bar."""
+        self._bar.update(
+            self._task, description="stepping", completed=done, total=planned, refresh=False
+        )
+        self._bar.refresh()
+
+    def notice(self, text: str) -> None:
+        """Print a warning."""
+        self._bar.console.print(
+            f"rail-cosim: warning: {text}", markup=False, highlight=False, soft_wrap=True
+        )
+
+
+@contextlib.contextmanager
+def _progress() -> Iterator[_Terminal]:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    quiet = not _err.is_terminal
+    # Refreshed by hand: a thread of its own would take time from the slaves.
+    with Progress(*columns, console=_err, transient=True, auto_refresh=False, disable=quiet) as bar:
+        yield _Terminal(bar)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"rail-cosim {version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    show: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def build(
+    out: Annotated[Path, typer.Option(help="Directory for the three files.")] = Path("."),
+) -> None:
+    """Build HighSpeedVehicle.fmu, InfiniteSlabTrack.fmu and VehicleOnSlabTrack.ssp."""
+    from rail_cosim.builder import build as build_all
+
+    with _plain_errors():
+        for path in build_all(out):
+            print(path)
+
+
+@app.command()
+def run(
+    line: Annotated[
+        str | None,
+        typer.Option(help="Line: HD, ZX. A parameter set of the track FMU.", metavar="NAME"),
+    ] = None,
+    vehicle: Annotated[
+        str | None,
+        typer.Option(
+            help="Parameter set of the vehicle, or another vehicle FMU.", metavar="NAME|FMU"
+        ),
+    ] = None,
+    track: Annotated[Path | None, typer.Option(help="Another track FMU.", metavar="FMU")] = None,
+    speed: Annotated[float | None, typer.Option(help="Running speed.", metavar="KM/H")] = None,
+    distance: Annotated[
+        float, typer.Option(help="Way of the leading wheelset.", metavar="M")
+    ] = 100.0,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            help="A parameter: track.NAME=VALUE or vehicle.NAME=VALUE. Repeat for more.",
+            metavar="NAME=VALUE",
+        ),
+    ] = None,
+    macro_step: Annotated[float, typer.Option(help="Communication step.", metavar="S")] = 1e-4,
+    algorithm: Annotated[
+        str,
+        typer.Option(help="gauss-seidel, jacobi, iterative-gauss-seidel.", metavar="NAME"),
+    ] = "gauss-seidel",
+    record_every: Annotated[int, typer.Option(help="Record every N-th step.", metavar="N")] = 1,
+    out: Annotated[
+        Path | None, typer.Option(help="NetCDF file for the results.", metavar="FILE")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Picture: .png, .pdf or .svg.", metavar="FILE")
+    ] = None,
+) -> None:
+    """Run vehicle and track together and print a summary.
+
+    Parameters come from the parameter sets of --line and --vehicle, then from
+    --speed, then from --set; the last one wins. All in SI units but --speed.
+    """
+    from rail_cosim.runner import RunOptions, execute
+
+    with _plain_errors():
+        options = RunOptions(
+            line=line,
+            vehicle=vehicle,
+            track=track,
+            speed=speed,
+            distance=distance,
+            settings=settings or [],
+            macro_step=macro_step,
+            algorithm=algorithm,
+            record_every=record_every,
+            out=out,
+            plot=plot,
+            command=shlex.join(["rail-cosim", *sys.argv[1:]]),
+        )
+        try:
+            with _progress() as terminal:
+                dataset = execute(options, terminal)
+        except RunError as error:
+            _summary(error.dataset)
+            _kept(options.out)
+            raise
+        _summary(dataset)
+
+
+def _summary(dataset) -> None:
+    from rail_cosim.summary import summarise
+    from rail_cosim.tables import summary_table
+
+    if dataset is not None and dataset.sizes["time"] > 1:
+        _out.print(summary_table(summarise(dataset), dataset))
+
+
+def _kept(out: Path | None) -> None:
+    if out is not None:
+        text = f"what was recorded is in {out}, marked incomplete"
+        _err.print(text, markup=False, highlight=False, soft_wrap=True)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

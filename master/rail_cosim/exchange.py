@@ -1,0 +1,79 @@
+"""Ports: a slave with its vectors of inputs and outputs, and how they are linked."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rail_cosim.slave import RealVector, Slave
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class Link:
+    """Connected outputs of one port that are inputs of another.
+
+    Attributes
+    ----------
+    source, target
+        Positions in the source's output buffer and in the target's input
+        buffer, both of shape (n,).
+    outputs
+        The source's output buffer.
+    """
+
+    outputs: NDArray[np.float64]
+    source: NDArray[np.intp]
+    target: NDArray[np.intp]
+
+
+@dataclasses.dataclass(kw_only=True, eq=False)
+class Port:
+    """A slave as an algorithm sees it.
+
+    Attributes
+    ----------
+    slave
+        The slave.
+    inputs
+        Its connected inputs.
+    outputs
+        All its real outputs, the connected ones first.
+    coupled
+        How many of the outputs are connected.
+    links
+        Where the inputs come from.
+    wanted
+        How many outputs to read after the step: those that are connected, or
+        all when the step is recorded.
+    """
+
+    slave: Slave
+    inputs: RealVector
+    outputs: RealVector
+    coupled: int
+    links: list[Link] = dataclasses.field(default_factory=list)
+    wanted: int = 0
+
+    def __post_init__(self) -> None:
+        self.wanted = len(self.outputs.names)
+
+    def record_next(self, record: bool) -> None:
+        """Say whether the coming step is recorded."""
+        self.wanted = len(self.outputs.names) if record else self.coupled
+
+    def gather(self) -> None:
+        """Copy the latest outputs of the others into the input buffer."""
+        for link in self.links:
+            self.inputs.values[link.target] = link.outputs[link.source]
+
+    def set_inputs(self) -> None:
+        """Gather the inputs and hand them to the slave."""
+        self.gather()
+        self.inputs.write()
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance the slave and read its outputs."""
+        self.slave.do_step(time, step_size)
+        self.outputs.read(self.wanted)

@@ -1,0 +1,286 @@
+"""Slaves that are FMI 2.0 co-simulation FMUs. The only file that uses fmpy.
+
+fmpy loads the library and makes the rare calls. The calls of every macro step
+go straight to the C functions with preallocated arrays, since fmpy's list
+interface costs some five times the call itself. Every status is checked.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, cast
+
+import fmpy
+import numpy as np
+from fmpy.fmi1 import FMICallException, printLogMessage
+from fmpy.fmi2 import (
+    FMU2Slave,
+    defaultCallbacks,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+from rail_cosim.description import FmuDescription, read_description
+from rail_cosim.errors import FmuFileError, SlaveError, StructureError
+from rail_cosim.extraction import extract
+from rail_cosim.fmu_log import Log, deliver
+from rail_cosim.slave import Status, Value, Variable
+
+_VECTOR_CALL = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
+)
+_STEP_CALL = ctypes.CFUNCTYPE(
+    ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int
+)
+_GETTERS = {
+    "real": "getReal",
+    "integer": "getInteger",
+    "enumeration": "getInteger",
+    "boolean": "getBoolean",
+    "string": "getString",
+}
+_WORST_USABLE = Status.WARNING
+
+
+def _receive(number: Any, instance: bytes, status: int, category: bytes, text: bytes) -> None:
+    if not deliver(number, status, text):
+        printLogMessage(number, instance, status, category, text or b"")
+
+
+# One function for all instances: fmpy's proxy, which fills in the arguments of
+# the FMU's format strings, knows a single receiver per process.
+_RECEIVER = fmi2CallbackLoggerTYPE(_receive)
+
+
+def _callbacks(log: Log) -> fmi2CallbackFunctions:
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _RECEIVER
+    callbacks.allocateMemory = defaultCallbacks.allocateMemory
+    callbacks.freeMemory = defaultCallbacks.freeMemory
+    callbacks.componentEnvironment = log.number
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+class FmuVector:
+    """Real variables of an :class:`FmuSlave` (see :class:`rail_cosim.slave.RealVector`)."""
+
+    def __init__(self, slave: FmuSlave, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        self.values = np.zeros(len(self.names))
+        self._slave = slave
+        references = [slave.variables[name].reference for name in self.names]
+        self._references = np.array(references, dtype=np.uint32)  # keeps the memory alive
+        self._reference_pointer = ctypes.c_void_p(self._references.ctypes.data)
+        self._value_pointer = ctypes.c_void_p(self.values.ctypes.data)
+        self._get, self._set = slave.vector_calls()
+        self._count = len(self.names)
+
+    def read(self, count: int | None = None) -> None:
+        """Copy values from the FMU into the buffer."""
+        number = self._count if count is None else count
+        if number == 0:
+            return
+        status = self._get(
+            self._slave.component, self._reference_pointer, number, self._value_pointer
+        )
+        if status > _WORST_USABLE:
+            self._slave.fail("fmi2GetReal", status)
+
+    def write(self) -> None:
+        """Copy the buffer into the FMU."""
+        if self._count == 0:
+            return
+        status = self._set(
+            self._slave.component, self._reference_pointer, self._count, self._value_pointer
+        )
+        if status > _WORST_USABLE:
+            self._slave.fail("fmi2SetReal", status)
+
+
+class FmuSlave:
+    """One instance of an FMU (see :class:`rail_cosim.slave.Slave`).
+
+    A context manager: the instance is terminated and released exactly once on
+    leaving, whatever happened.
+
+    Parameters
+    ----------
+    path
+        The FMU file.
+    name
+        Instance name; messages begin with it.
+
+    Raises
+    ------
+    FmuFileError
+        If the file is no FMI 2.0 co-simulation FMU for this platform.
+    SlaveError
+        If it cannot be instantiated.
+    """
+
+    def __init__(self, path: Path, name: str, *, description: FmuDescription | None = None) -> None:
+        self.name = name
+        self.description = description or read_description(path)
+        self.component: ctypes.c_void_p | None = None
+        self._log = Log()
+        self._time: float | None = None
+        self._rolls_back = False
+        self._usable, self._may_free = True, True
+        self._fmu = self._load(extract(path, self.description.guid))
+        self._instantiate()
+
+    def _load(self, directory: Path) -> FMU2Slave:
+        here = os.getcwd()
+        try:
+            return FMU2Slave(
+                guid=self.description.guid,
+                unzipDirectory=str(directory),
+                modelIdentifier=self.description.identifier,
+                instanceName=self.name,
+            )
+        except Exception as error:  # fmpy raises nothing more exact
+            binaries = directory / "binaries"
+            there = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
+            raise FmuFileError(
+                f"{self.description.path}: its library cannot be loaded on this platform "
+                f"({fmpy.platform}; the FMU has {', '.join(there) or 'no binaries'}): {error}"
+            ) from error
+        finally:
+            os.chdir(here)  # fmpy leaves the directory changed when loading fails
+
+    def _instantiate(self) -> None:
+        try:
+            self._fmu.instantiate(callbacks=_callbacks(self._log), loggingOn=True)
+        except Exception as error:  # fmpy raises nothing more exact
+            self._log.close()
+            raise SlaveError(
+                self.name, "fmi2Instantiate", Status.ERROR, self._log.problems()
+            ) from error
+        self.component = ctypes.c_void_p(cast(int, self._fmu.component))
+        self._do_step = _STEP_CALL(("fmi2DoStep", self._fmu.dll))
+
+    def vector_calls(self) -> tuple[Any, Any]:
+        """Return the C functions that get and set reals."""
+        library = self._fmu.dll
+        return _VECTOR_CALL(("fmi2GetReal", library)), _VECTOR_CALL(("fmi2SetReal", library))
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables by name."""
+        return self.description.variables
+
+    def vector(self, names: Sequence[str]) -> FmuVector:
+        """Return a vector of real variables."""
+        return FmuVector(self, names)
+
+    def get(self, names: Sequence[str]) -> dict[str, Value]:
+        """Return values of any kind by name (slow)."""
+        found: dict[str, Value] = {}
+        for kind, getter in _GETTERS.items():
+            chosen = [name for name in names if self.variables[name].kind == kind]
+            if chosen:
+                values = self._call(getter, [self.variables[name].reference for name in chosen])
+                found.update(zip(chosen, map(_python_value(kind), values), strict=True))
+        return {name: found[name] for name in names}
+
+    def set(self, values: Mapping[str, Value]) -> None:
+        """Set values of any kind by name (slow)."""
+        for name, value in values.items():
+            variable = self.variables[name]
+            setter = _GETTERS[variable.kind].replace("get", "set")
+            self._call(setter, [variable.reference], [value])
+
+    def setup(self, start_time: float, stop_time: float) -> None:
+        """Announce the span of time."""
+        self._call("setupExperiment", None, start_time, stop_time)
+
+    def enter_initialization(self) -> None:
+        """Enter initialization mode."""
+        self._call("enterInitializationMode")
+
+    def exit_initialization(self) -> None:
+        """Leave initialization mode."""
+        self._call("exitInitializationMode")
+
+    def do_step(self, time: float, step_size: float) -> None:
+        """Advance from ``time`` by ``step_size`` seconds."""
+        self._time = time
+        status = self._do_step(self.component, time, step_size, not self._rolls_back)
+        if status != Status.OK and status != Status.WARNING:
+            self.fail("fmi2DoStep", status)
+
+    def save_state(self) -> ctypes.c_void_p:
+        """Return a handle to a copy of the complete state."""
+        if not self.description.can_save_state:
+            raise StructureError(
+                f"{self.name}: {self.description.path.name} cannot save its state, which this "
+                "algorithm needs; take gauss-seidel or jacobi"
+            )
+        self._rolls_back = True
+        return self._call("getFMUstate")
+
+    def restore_state(self, state: ctypes.c_void_p) -> None:
+        """Go back to a saved state."""
+        self._call("setFMUstate", state)
+
+    def free_state(self, state: ctypes.c_void_p) -> None:
+        """Release a handle of :meth:`save_state`."""
+        self._call("freeFMUstate", state)
+
+    def take_warnings(self) -> list[str]:
+        """Return warnings that were not returned before."""
+        return self._log.take_warnings()
+
+    def _call(self, name: str, *arguments: Any) -> Any:
+        try:
+            return getattr(self._fmu, name)(*arguments)
+        except FMICallException as error:
+            self.fail(error.function, error.status, error)
+
+    def fail(self, call: str, status: int, cause: Exception | None = None) -> None:
+        """Raise the error for a status that ends the run, with what the FMU said."""
+        known = Status(status) if status in list(Status) else Status.FATAL
+        self._usable = known not in (Status.ERROR, Status.FATAL)
+        self._may_free = known is not Status.FATAL
+        raise SlaveError(self.name, call, known, self._log.problems(), self._time) from cause
+
+    def close(self) -> None:
+        """Terminate and release the instance; does nothing the second time.
+
+        After an error FMI allows the release only, and after a fatal one
+        nothing: the instance is then left to the end of the process.
+        """
+        if self.component is None:
+            return
+        self.component = None
+        if self._usable:
+            try:
+                self._fmu.terminate()
+            except FMICallException as error:
+                self._may_free = error.status != Status.FATAL
+        if self._may_free:
+            self._fmu.freeInstance()
+            self._log.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _python_value(kind: str) -> Any:
+    if kind == "string":
+        return lambda value: value.decode("utf-8") if isinstance(value, bytes) else value or ""
+    return {"real": float, "boolean": bool}.get(kind, int)

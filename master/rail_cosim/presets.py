@@ -1,0 +1,44 @@
+"""Named parameter sets that an FMU carries: SSP parameter files in ``resources/presets``."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from pathlib import Path, PurePosixPath
+
+from rail_cosim.errors import FmuFileError, UnknownNameError
+
+FOLDER = "resources/presets/"
+_NAMESPACE = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
+
+
+def preset_files(fmu: Path) -> dict[str, bytes]:
+    """Return ``{name: content of the .ssv file}`` of the presets inside an FMU."""
+    with zipfile.ZipFile(fmu) as archive:
+        names = sorted(n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith(".ssv"))
+        return {PurePosixPath(name).stem: archive.read(name) for name in names}
+
+
+def read_preset(fmu: Path, name: str, option: str) -> dict[str, str]:
+    """Return the values of one preset as text by parameter name.
+
+    Raises
+    ------
+    UnknownNameError
+        If the FMU has no preset of this name; ``option`` is named in the message.
+    FmuFileError
+        If the file in the FMU cannot be read.
+    """
+    files = preset_files(fmu)
+    if name not in files:
+        raise UnknownNameError(option, name, files, f"parameter set in {fmu.name}", wanted=name)
+    try:
+        root = ElementTree.fromstring(files[name])
+    except ElementTree.ParseError as error:
+        raise FmuFileError(f"{fmu}: {FOLDER}{name}.ssv cannot be read ({error})") from error
+    values: dict[str, str] = {}
+    for parameter in root.iter(f"{_NAMESPACE}Parameter"):
+        for entry in parameter:
+            if "value" in entry.attrib:
+                values[parameter.attrib["name"]] = entry.attrib["value"]
+    return values

@@ -1,0 +1,196 @@
+"""Records as an xarray Dataset, and the Dataset as a NetCDF file."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rail_cosim.errors import ResultsError
+from rail_cosim.recorder import Recorder
+from rail_cosim.system import SystemStructure
+
+SIDES = ("left", "right")
+# What is counted together with what: one axle box and one primary suspension
+# per wheelset and side, one secondary suspension per bogie and side.
+_DIMENSION = {
+    "axle_box": "wheelset",
+    "primary_suspension": "wheelset",
+    "rail_head": "wheelset",
+    "secondary_suspension": "bogie",
+}
+_INDEXED = re.compile(
+    r"^(?P<group>\w+)\[(?P<index>\d+)\]\.(?:(?P<side>left|right)\.)?(?P<rest>.+)$"
+)
+LEADING_POSITION = "wheelset[1].longitudinal_position"
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Place:
+    """Where an output goes: a variable's name, its dimensions after time, the indices there."""
+
+    variable: str
+    dimensions: tuple[str, ...]
+    indices: tuple[int, ...]
+
+
+def place(name: str) -> Place:
+    """Return where the output ``name`` of a slave goes in the Dataset.
+
+    ``wheelset[2].left.normal_force`` is ``normal_force(time, wheelset, side)``,
+    ``axle_box[2].left.vertical_acceleration`` is
+    ``axle_box_vertical_acceleration(time, wheelset, side)``,
+    ``bogie[1].vertical_acceleration`` is ``bogie_vertical_acceleration(time, bogie)``,
+    ``window.slide_count`` is ``window_slide_count(time)``.
+    """
+    match = _INDEXED.match(name)
+    if match is None:
+        return Place(_plain(name), (), ())
+    group, side, rest = match["group"], match["side"], _plain(match["rest"])
+    dimension, index = _DIMENSION.get(group, group), int(match["index"]) - 1
+    if side is None:
+        return Place(f"{group}_{rest}", (dimension,), (index,))
+    # A wheel's quantities go without the word: there is no other thing of a wheelset's side.
+    variable = rest if group == "wheelset" else f"{group}_{rest}"
+    return Place(variable, (dimension, "side"), (index, SIDES.index(side)))
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"\W+", "_", name).strip("_")
+
+
+def to_dataset(
+    system: SystemStructure, recorder: Recorder, attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return what was recorded as a Dataset.
+
+    Parameters
+    ----------
+    system
+        The slaves; their descriptions give units and meanings.
+    recorder
+        The records.
+    attributes
+        Attributes of the Dataset; truth values become 0 and 1.
+    """
+    dataset = xr.Dataset(attrs={k: _attribute(v) for k, v in attributes.items()})
+    dataset["time"] = ("time", recorder.times, {"units": "s", "long_name": "time"})
+    for slave in system.slaves:
+        names, values = recorder.values(slave.name)
+        for variable, members in _group(names).items():
+            key = f"{variable}_{slave.name}" if variable in dataset else variable
+            about = slave.variables[names[members[0][0]]]
+            dataset[key] = _array(values, members, about.unit, about.description)
+        if LEADING_POSITION in names and "distance" not in dataset:
+            position = values[:, names.index(LEADING_POSITION)]
+            meaning = "distance travelled by the leading wheelset"
+            dataset["distance"] = (
+                "time",
+                position - position[:1].sum(),
+                {"units": "m", "long_name": meaning},
+            )
+    return _with_coordinates(dataset)
+
+
+def _group(names: tuple[str, ...]) -> dict[str, list[tuple[int, Place]]]:
+    groups: dict[str, list[tuple[int, Place]]] = {}
+    for column, name in enumerate(names):
+        where = place(name)
+        groups.setdefault(where.variable, []).append((column, where))
+    return groups
+
+
+def _array(
+    values: np.ndarray, members: list[tuple[int, Place]], unit: str, meaning: str
+) -> xr.DataArray:
+    dimensions = members[0][1].dimensions
+    counts = [max(where.indices[i] for _, where in members) + 1 for i in range(len(dimensions))]
+    if "side" in dimensions:
+        counts[dimensions.index("side")] = len(SIDES)
+    data = np.full((len(values), *counts), np.nan)
+    for column, where in members:
+        data[(slice(None), *where.indices)] = values[:, column]
+    about = {"units": unit or "1", "long_name": _general(meaning)}
+    return xr.DataArray(data, dims=("time", *dimensions), attrs=about)
+
+
+def _general(meaning: str) -> str:
+    """Take the place out of a description that was made for one wheelset or wheel."""
+    return re.sub(r"\s*\[\d+\]|, (?:left|right)(?: wheel)?(?=$|,)", "", meaning).strip()
+
+
+def _with_coordinates(dataset: xr.Dataset) -> xr.Dataset:
+    coordinates: dict[str, Any] = {}
+    for dimension, size in dataset.sizes.items():
+        if dimension == "side":
+            coordinates["side"] = list(SIDES)
+        elif dimension != "time":
+            text = f"number of the {dimension}, counted from the leading end"
+            number = np.arange(1, size + 1, dtype=np.int32)
+            coordinates[str(dimension)] = (dimension, number, {"long_name": text})
+    return dataset.assign_coords(coordinates)
+
+
+def _attribute(value: Any) -> Any:
+    """Return a value in a type that NetCDF attributes have."""
+    return np.int8(value) if isinstance(value, bool) else value
+
+
+def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
+    """Write a Dataset to ``path``: the whole file or nothing.
+
+    If the place cannot be written to, the file is saved in the temporary
+    directory, so that a long run is not lost.
+
+    Raises
+    ------
+    ResultsError
+        If it could not be written at ``path``; says where it is instead.
+    """
+    try:
+        _write(dataset, path)
+    except OSError as error:
+        rescue = Path(tempfile.gettempdir()) / f"{path.stem}-{os.getpid()}.nc"
+        try:
+            _write(dataset, rescue)
+        except OSError as second:
+            raise ResultsError(
+                f"{path}: the results could not be written ({error}), nor to {rescue} ({second})"
+            ) from error
+        raise ResultsError(
+            f"{path}: the results could not be written there ({error}); they are in {rescue}"
+        ) from error
+
+
+def _write(dataset: xr.Dataset, path: Path) -> None:
+    scratch = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        dataset.to_netcdf(scratch, engine="h5netcdf")
+        os.replace(scratch, path)
+    finally:
+        scratch.unlink(missing_ok=True)
+
+
+def check_writable(path: Path) -> None:
+    """Make sure before a run that ``path`` can be written after it.
+
+    Raises
+    ------
+    ResultsError
+        If it cannot, with the reason.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            raise IsADirectoryError(21, "it is a directory")
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise ResultsError(f"{path}: cannot be written ({error.strerror or error})") from error

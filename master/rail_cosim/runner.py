@@ -1,0 +1,341 @@
+"""One co-simulation of vehicle and track, from options to Dataset."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import math
+import shlex
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+import xarray as xr
+
+from rail_cosim.algorithms import GaussSeidel, make_algorithm
+from rail_cosim.attributes import (
+    ended_by,
+    fmu_attributes,
+    parameter_attributes,
+    run_attributes,
+)
+from rail_cosim.builder import RECIPES, built_fmu
+from rail_cosim.description import FmuDescription, read_description
+from rail_cosim.errors import ParameterError, RunError, RunInterrupted
+from rail_cosim.fmu import FmuSlave
+from rail_cosim.initialisation import SPEED, initialise
+from rail_cosim.interrupts import InterruptNote
+from rail_cosim.parameters import checked, parse_assignments
+from rail_cosim.plot import check_format, plot_run
+from rail_cosim.presets import read_preset
+from rail_cosim.recorder import Recorder
+from rail_cosim.results import check_writable, to_dataset, write_netcdf
+from rail_cosim.simulation import Outcome, Simulation
+from rail_cosim.slave import Slave, Value
+from rail_cosim.summary import summarise
+from rail_cosim.system import SystemStructure
+
+KM_H = 1.0 / 3.6
+MACRO_STEP = 1e-4
+_LEADING_SPEED = "wheelset[1].longitudinal_velocity"
+
+
+class Reporter(Protocol):
+    """What a run tells while it goes on."""
+
+    def stage(self, text: str) -> None:
+        """Say what is being done now."""
+        ...
+
+    def progress(self, done: int, planned: int) -> None:
+        """Say how many macro steps are done."""
+        ...
+
+    def notice(self, text: str) -> None:
+        """Pass on a warning of an FMU."""
+        ...
+
+
+class Quiet:
+    """Reporter for scripts: notices are Python warnings, nothing else is said."""
+
+    def stage(self, text: str) -> None:
+        """Say nothing."""
+
+    def progress(self, done: int, planned: int) -> None:
+        """Say nothing."""
+
+    def notice(self, text: str) -> None:
+        """Warn."""
+        warnings.warn(text, stacklevel=2)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """What to run; the fields are the options of ``rail-cosim run``.
+
+    Attributes
+    ----------
+    line
+        Parameter set of the track FMU (``HD``, ``ZX``); ``None`` for its defaults.
+    vehicle
+        Parameter set of the vehicle FMU, or the path of another vehicle FMU.
+    track
+        Path of another track FMU.
+    speed
+        In km/h; ``None`` for the vehicle's own.
+    distance
+        Way of the leading wheelset in m.
+    settings
+        Texts ``track.NAME=VALUE`` and ``vehicle.NAME=VALUE``; they come last and win.
+    macro_step
+        Communication step in s.
+    algorithm
+        ``gauss-seidel``, ``jacobi`` or ``iterative-gauss-seidel``.
+    record_every
+        Record each step (1), each second (2), ...
+    out, plot
+        NetCDF file and picture to write; ``None`` for none.
+    command
+        The command as typed, for the record.
+    """
+
+    line: str | None = None
+    vehicle: str | None = None
+    track: Path | None = None
+    speed: float | None = None
+    distance: float = 100.0
+    settings: Sequence[str] = ()
+    macro_step: float = MACRO_STEP
+    algorithm: str = GaussSeidel.name
+    record_every: int = 1
+    out: Path | None = None
+    plot: Path | None = None
+    command: str = ""
+
+    def __post_init__(self) -> None:
+        limits = (
+            ("--distance", self.distance, "m"),
+            ("--macro-step", self.macro_step, "s"),
+            ("--speed", self.speed, "km/h"),
+        )
+        for name, value, unit in limits:
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise ParameterError(name, value, f"must be greater than 0 {unit}")
+        if self.record_every < 1:
+            raise ParameterError("--record-every", self.record_every, "must be at least 1")
+
+
+def run(
+    *,
+    line: str | None = None,
+    vehicle: str | Path | None = None,
+    track: str | Path | None = None,
+    speed: float | None = None,
+    distance: float = 100.0,
+    settings: Mapping[str, Value] | None = None,
+    macro_step: float = MACRO_STEP,
+    algorithm: str = GaussSeidel.name,
+    record_every: int = 1,
+    out: str | Path | None = None,
+    plot: str | Path | None = None,
+    reporter: Reporter | None = None,
+) -> xr.Dataset:
+    """Run vehicle and track and return what was recorded; mirrors ``rail-cosim run``.
+
+    Parameters
+    ----------
+    line, vehicle, track, distance, macro_step, algorithm, record_every, out, plot
+        As in :class:`RunOptions`.
+    speed
+        In km/h, as on the command line.
+    settings
+        Parameter values by full name: ``{"track.fastener.vertical_stiffness": 40e6}``.
+    reporter
+        Told of stages, progress and warnings.
+
+    Raises
+    ------
+    RailCosimError
+        Before the run, for anything that cannot be run.
+    RunError
+        When the run ended early: what was recorded is its ``dataset``, and is
+        written to ``out`` all the same.
+    """
+    options = RunOptions(
+        line=line,
+        vehicle=None if vehicle is None else str(vehicle),
+        track=None if track is None else Path(track),
+        speed=speed,
+        distance=distance,
+        settings=[f"{name}={value}" for name, value in (settings or {}).items()],
+        macro_step=macro_step,
+        algorithm=algorithm,
+        record_every=record_every,
+        out=None if out is None else Path(out),
+        plot=None if plot is None else Path(plot),
+        command=shlex.join(sys.argv),
+    )
+    return execute(options, reporter or Quiet())
+
+
+def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
+    """Run with checked options (see :func:`run`)."""
+    if options.out:
+        check_writable(options.out)
+    if options.plot:
+        check_format(options.plot)
+        check_writable(options.plot)
+    make_algorithm(options.algorithm)
+    reporter.stage("finding the FMUs")
+    descriptions, presets = find_fmus(options)
+    parameters = gather_parameters(options, descriptions, presets)
+    dataset, outcome = _simulate(options, descriptions, parameters, reporter)
+    if options.out:
+        reporter.stage(f"writing {options.out}")
+        write_netcdf(dataset, options.out)
+    if options.plot and dataset.sizes["time"] > 1:
+        plot_run(dataset, summarise(dataset), options.plot)
+    if isinstance(outcome.error, KeyboardInterrupt):
+        raise RunInterrupted(ended_by(outcome), dataset) from outcome.error
+    if outcome.error is not None:
+        raise RunError(str(outcome.error), dataset) from outcome.error
+    return dataset
+
+
+def find_fmus(
+    options: RunOptions,
+) -> tuple[dict[str, FmuDescription], dict[str, str]]:
+    """Return the descriptions of ``track`` and ``vehicle``, and the presets asked for."""
+    presets = {"track": options.line} if options.line else {}
+    files: dict[str, Path | None] = {"track": options.track, "vehicle": None}
+    if options.vehicle and (options.vehicle.endswith(".fmu") or Path(options.vehicle).is_file()):
+        files["vehicle"] = Path(options.vehicle)
+    elif options.vehicle:
+        presets["vehicle"] = options.vehicle
+    found = {name: file or built_fmu(RECIPES[name]) for name, file in files.items()}
+    return {name: read_description(file) for name, file in found.items()}, presets
+
+
+def gather_parameters(
+    options: RunOptions,
+    descriptions: Mapping[str, FmuDescription],
+    presets: Mapping[str, str],
+) -> dict[str, dict[str, Value]]:
+    """Return all values to set, checked: presets, then options, then settings.
+
+    Raises
+    ------
+    ParameterError
+        For a name or value that is not right.
+    """
+    known = {name: description.variables for name, description in descriptions.items()}
+    option_of = {"track": "--line", "vehicle": "--vehicle"}
+    values: dict[str, dict[str, Value]] = {name: {} for name in known}
+    for name, preset in presets.items():
+        found = read_preset(descriptions[name].path, preset, option_of[name])
+        values[name].update(checked(name, known[name], found))
+    if options.speed is not None:
+        speed = {SPEED: options.speed * KM_H}
+        values["vehicle"].update(checked("vehicle", known["vehicle"], speed))
+    for name, given in parse_assignments(list(options.settings), known).items():
+        values[name].update(checked(name, known[name], given))
+    return values
+
+
+def _simulate(
+    options: RunOptions,
+    descriptions: Mapping[str, FmuDescription],
+    parameters: Mapping[str, Mapping[str, Value]],
+    reporter: Reporter,
+) -> tuple[xr.Dataset, Outcome]:
+    algorithm = make_algorithm(options.algorithm)
+    with contextlib.ExitStack() as stack:
+        note = stack.enter_context(InterruptNote())
+        reporter.stage("loading the FMUs")
+        slaves: list[FmuSlave] = []
+        for name in ("track", "vehicle"):  # Gauss-Seidel steps the track first
+            description = descriptions[name]
+            slaves.append(
+                stack.enter_context(FmuSlave(description.path, name, description=description))
+            )
+            note.check()
+        system = SystemStructure(slaves)
+        reporter.stage("finding the static equilibrium")
+        initialise(
+            system,
+            parameters=parameters,
+            input_times=algorithm.input_times([slave.name for slave in slaves]),
+            stop_time=_planned_time(options, parameters, descriptions["vehicle"]),
+        )
+        _pass_on_warnings(slaves, reporter)
+        speed = running_speed(system)
+        recorder = Recorder(system.ports, every=options.record_every)
+        simulation = Simulation(system, algorithm, recorder, step_size=options.macro_step)
+        steps = step_count(options.distance, speed, options.macro_step)
+        # Read now: after an error the FMUs answer no more.
+        fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
+        outcome = simulation.run(steps, note=note, progress=reporter.progress)
+        _pass_on_warnings(slaves, reporter)
+        attributes = {
+            **run_attributes(outcome, algorithm, options.command),
+            "line": options.line or "",
+            "speed_km_h": speed / KM_H,
+            **{k: v for slave in slaves for k, v in fmu_attributes(slave).items()},
+            **fixed,
+        }
+        return to_dataset(system, recorder, attributes), outcome
+
+
+def _planned_time(
+    options: RunOptions,
+    parameters: Mapping[str, Mapping[str, Value]],
+    vehicle: FmuDescription,
+) -> float:
+    """Return the planned end of the run as far as it is known before initialisation."""
+    default = vehicle.variables[SPEED].start if SPEED in vehicle.variables else None
+    speed = float(parameters["vehicle"].get(SPEED, default or 0.0))
+    count = step_count(options.distance, speed, options.macro_step) if speed > 0.0 else 1
+    return count * options.macro_step
+
+
+def running_speed(system: SystemStructure) -> float:
+    """Return the speed (m/s) of the initialised vehicle.
+
+    Raises
+    ------
+    ParameterError
+        If it stands still or runs backwards: then no distance is ever covered.
+    """
+    outputs = system.port("vehicle").outputs
+    if _LEADING_SPEED in outputs.names:
+        speed = float(outputs.values[outputs.names.index(_LEADING_SPEED)])
+    else:
+        speed = _parameter(system["vehicle"], SPEED)
+    if not speed > 0.0:
+        raise ParameterError("vehicle.speed", speed, "must be greater than 0 m/s")
+    return speed
+
+
+def _parameter(slave: Slave, name: str) -> float:
+    if name not in slave.variables:
+        raise ParameterError(
+            f"{slave.name}.{name}",
+            None,
+            f"the FMU has neither this parameter nor the output {_LEADING_SPEED}",
+            "so it is not known how many steps the distance takes; give the FMU one of them",
+        )
+    return float(slave.get([name])[name])
+
+
+def step_count(distance: float, speed: float, step_size: float) -> int:
+    """Return the number of steps in which ``distance`` (m) is covered, at least 1."""
+    return max(1, math.ceil(distance / (speed * step_size) * (1.0 - 1e-12)))
+
+
+def _pass_on_warnings(slaves: Sequence[Slave], reporter: Reporter) -> None:
+    for slave in slaves:
+        for text in slave.take_warnings():
+            reporter.notice(f"{slave.name}: {text}")

@@ -1,0 +1,146 @@
+"""The run itself: step, observe, and keep what there is when it ends early."""
+
+from __future__ import annotations
+
+import dataclasses
+import time as clock
+from collections.abc import Callable
+
+import numpy as np
+
+from rail_cosim.algorithms import Algorithm
+from rail_cosim.energy import EnergyReport, InterfaceEnergy
+from rail_cosim.errors import DivergenceError, RailCosimError
+from rail_cosim.interrupts import InterruptNote
+from rail_cosim.recorder import Recorder
+from rail_cosim.system import SystemStructure
+
+Progress = Callable[[int, int], None]
+_BLOCK = 200
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """How a run ended.
+
+    Attributes
+    ----------
+    steps, planned
+        Macro steps done and asked for.
+    step_size
+        Macro step in s.
+    error
+        What ended it early, ``None`` for nothing; ``KeyboardInterrupt`` for the user.
+    wall, cpu
+        Time spent stepping, in s.
+    energy
+        The interface's energy defect.
+    """
+
+    steps: int
+    planned: int
+    step_size: float
+    error: RailCosimError | KeyboardInterrupt | None
+    wall: float
+    cpu: float
+    energy: EnergyReport
+
+    @property
+    def complete(self) -> bool:
+        """Whether all steps were done."""
+        return self.error is None
+
+    @property
+    def simulated(self) -> float:
+        """Simulated time in s."""
+        return self.steps * self.step_size
+
+    @property
+    def real_time_factor(self) -> float:
+        """Simulated over wall-clock seconds."""
+        return self.simulated / self.wall if self.wall > 0.0 else 0.0
+
+
+class Simulation:
+    """Steps an initialised system and feeds the observers.
+
+    Parameters
+    ----------
+    system, algorithm, recorder
+        What is stepped, how, and where it is recorded.
+    step_size
+        Macro step in s.
+    """
+
+    def __init__(
+        self,
+        system: SystemStructure,
+        algorithm: Algorithm,
+        recorder: Recorder,
+        *,
+        step_size: float,
+    ) -> None:
+        self._system, self._algorithm, self._recorder = system, algorithm, recorder
+        self._step_size = step_size
+        times = algorithm.input_times([slave.name for slave in system.slaves])
+        self._energy = InterfaceEnergy(system, times, step_size)
+        self._done = 0
+
+    def run(
+        self,
+        steps: int,
+        *,
+        note: InterruptNote | None = None,
+        progress: Progress = lambda done, planned: None,
+    ) -> Outcome:
+        """Do ``steps`` macro steps, or as many as can be done.
+
+        Never raises for what happens in a step: a slave's error, a value that
+        is no longer finite and Ctrl-C are in the outcome, so that the records
+        can be written first.
+        """
+        note = note or InterruptNote()
+        error: RailCosimError | KeyboardInterrupt | None = None
+        wall, cpu = clock.perf_counter(), clock.process_time()
+        try:
+            self._recorder.record(0.0)
+            while self._done < steps:
+                self._block(min(_BLOCK, steps - self._done), note)
+                self._check_finite()
+                progress(self._done, steps)
+        except (RailCosimError, KeyboardInterrupt) as caught:
+            error = caught
+        return Outcome(
+            steps=self._done,
+            planned=steps,
+            step_size=self._step_size,
+            error=error,
+            wall=clock.perf_counter() - wall,
+            cpu=clock.process_time() - cpu,
+            energy=self._energy.report(),
+        )
+
+    def _block(self, count: int, note: InterruptNote) -> None:
+        ports, step_size = self._system.ports, self._step_size
+        recorder, algorithm, energy = self._recorder, self._algorithm, self._energy
+        for step in range(self._done + 1, self._done + count + 1):
+            note.check()
+            due = recorder.due(step)
+            for port in ports:
+                port.record_next(due)
+            algorithm.step(ports, (step - 1) * step_size, step_size)
+            energy.observe()
+            if due:
+                recorder.record(step * step_size)
+            self._done = step
+
+    def _check_finite(self) -> None:
+        for port in self._system.ports:
+            finite = np.isfinite(port.outputs.values[: port.coupled])
+            if not finite.all():
+                name = port.outputs.names[int(np.argmin(finite))]
+                raise DivergenceError(
+                    f"{port.slave.name}.{name} is no longer a finite number at "
+                    f"t = {self._done * self._step_size:.6g} s; the coupling has diverged: "
+                    "take a smaller macro step"
+                )

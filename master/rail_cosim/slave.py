@@ -1,0 +1,148 @@
+"""What the algorithms know of a slave: names, vectors, steps, states.
+
+Everything above (system structure, algorithms, recorder) is written against
+the protocols of this file, so that it runs on mock slaves as on FMUs.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Kind = Literal["real", "integer", "boolean", "string", "enumeration"]
+Value = float | int | bool | str
+
+
+class Status(enum.IntEnum):
+    """Return values of FMI 2.0 functions."""
+
+    OK = 0
+    WARNING = 1
+    DISCARD = 2
+    ERROR = 3
+    FATAL = 4
+    PENDING = 5
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
+class Message:
+    """One line of a slave's log."""
+
+    status: Status
+    text: str
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
+class Variable:
+    """A variable as the slave's description declares it.
+
+    Attributes
+    ----------
+    name, kind, causality, variability, unit, description, start
+        As in FMI; ``unit`` is ``""`` where none is declared, ``start`` is
+        ``None`` where there is none.
+    minimum, maximum
+        Closed limits of a number, ``None`` for none.
+    choices
+        Allowed words of an enumeration, with their numbers.
+    reference
+        FMI value reference; only the slave itself uses it.
+    """
+
+    name: str
+    kind: Kind = "real"
+    causality: str = "local"
+    variability: str = "continuous"
+    unit: str = ""
+    description: str = ""
+    start: Value | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    choices: Mapping[str, int] = dataclasses.field(default_factory=dict)
+    reference: int = 0
+
+
+class RealVector(Protocol):
+    """Some real variables of one slave, in a fixed order, and a buffer for their values.
+
+    Attributes
+    ----------
+    names
+        The variables' names.
+    values
+        Buffer, shape (n,); stays the same array for the vector's life.
+    """
+
+    names: tuple[str, ...]
+    values: NDArray[np.float64]
+
+    def read(self, count: int | None = None) -> None:
+        """Copy the first ``count`` (default: all) values from the slave into the buffer."""
+        ...
+
+    def write(self) -> None:
+        """Copy the buffer into the slave."""
+        ...
+
+
+class Slave(Protocol):
+    """A simulator of one part of the system, between instantiation and release.
+
+    Calls that fail raise :class:`rail_cosim.errors.SlaveError`.
+    """
+
+    name: str
+
+    @property
+    def variables(self) -> Mapping[str, Variable]:
+        """All variables by name, in the slave's own order."""
+        ...
+
+    def vector(self, names: Sequence[str]) -> RealVector:
+        """Return a vector of real variables."""
+        ...
+
+    def get(self, names: Sequence[str]) -> dict[str, Value]:
+        """Return values of any kind by name (slow)."""
+        ...
+
+    def set(self, values: Mapping[str, Value]) -> None:
+        """Set values of any kind by name (slow)."""
+        ...
+
+    def setup(self, start_time: float, stop_time: float) -> None:
+        """Announce the span of time."""
+        ...
+
+    def enter_initialization(self) -> None:
+        """Enter initialization mode."""
+        ...
+
+    def exit_initialization(self) -> None:
+        """Leave initialization mode: the slave is ready to step."""
+        ...
+
+    def do_step(self, time: float, step_size: float) -> None:
+        """Advance from ``time`` by ``step_size`` seconds."""
+        ...
+
+    def save_state(self) -> Any:
+        """Return a handle to a copy of the complete state."""
+        ...
+
+    def restore_state(self, state: Any) -> None:
+        """Go back to a saved state; the handle stays valid."""
+        ...
+
+    def free_state(self, state: Any) -> None:
+        """Release a handle of :meth:`save_state`."""
+        ...
+
+    def take_warnings(self) -> list[str]:
+        """Return warnings that were not returned before, each text once in a run."""
+        ...

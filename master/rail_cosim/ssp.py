@@ -1,0 +1,164 @@
+"""Write the pair as an SSP 1.0 package: what is connected with what, for other tools."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
+
+from rail_cosim.connections import Connection, connect
+from rail_cosim.description import FmuDescription, read_description
+from rail_cosim.presets import preset_files
+
+_ROOT = "http://ssp-standard.org/SSP1/"
+_SSD = f"{{{_ROOT}SystemStructureDescription}}"
+_SSC = f"{{{_ROOT}SystemStructureCommon}}"
+_SSV_TYPE = "application/x-ssp-parameter-set"
+_FIXED_TIME = (2000, 1, 1, 0, 0, 0)  # the same content gives the same file
+
+
+def write_ssp(path: Path, fmus: Mapping[str, Path], presets: Mapping[str, str]) -> None:
+    """Write an SSP with these FMUs, connected by equal names.
+
+    Parameters
+    ----------
+    path
+        The ``.ssp`` to write.
+    fmus
+        FMU file by component name.
+    presets
+        For a component the parameter set it is bound to, of those its FMU
+        carries; the others are in the package too, to be exchanged for it.
+
+    Raises
+    ------
+    StructureError
+        If the FMUs do not fit together.
+    """
+    descriptions = {name: read_description(fmu) for name, fmu in fmus.items()}
+    files: dict[str, bytes] = {}
+    bindings: dict[str, str] = {}
+    for name, fmu in fmus.items():
+        files[f"resources/{fmu.name}"] = fmu.read_bytes()
+        for preset, content in preset_files(fmu).items():
+            member = f"resources/{name}-{preset}.ssv"
+            files[member] = content
+            if presets.get(name) == preset:
+                bindings[name] = member
+    files["SystemStructure.ssd"] = structure(path.stem, descriptions, bindings)
+    _write_zip(path, files)
+
+
+def structure(
+    title: str, descriptions: Mapping[str, FmuDescription], bindings: Mapping[str, str]
+) -> bytes:
+    """Return the ``SystemStructure.ssd`` of a system.
+
+    Components have a connector for every real output and for every input that
+    is connected. Inputs that nothing feeds are left out, as the standard
+    allows: some tools take any listed input for connected.
+
+    Parameters
+    ----------
+    title
+        Name of the system.
+    descriptions
+        The FMUs by component name.
+    bindings
+        For a component the ``.ssv`` file bound to it, as a path in the package.
+    """
+    for prefix, space in (("ssd", _SSD), ("ssc", _SSC)):
+        ElementTree.register_namespace(prefix, space.strip("{}"))
+    connections, _ = connect({name: d.variables for name, d in descriptions.items()})
+    root = Element(f"{_SSD}SystemStructureDescription", {"version": "1.0", "name": title})
+    system = SubElement(root, f"{_SSD}System", {"name": title})
+    elements = SubElement(system, f"{_SSD}Elements")
+    used: set[str] = set()
+    for name, description in descriptions.items():
+        used |= _component(elements, name, description, connections, bindings.get(name))
+    _connections(system, connections)
+    _units(root, used, descriptions.values())
+    SubElement(root, f"{_SSD}DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
+    ElementTree.indent(root)
+    buffer = io.BytesIO()
+    ElementTree.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
+    return buffer.getvalue()
+
+
+def _component(
+    elements: Element,
+    name: str,
+    description: FmuDescription,
+    connections: Iterable[Connection],
+    binding: str | None,
+) -> set[str]:
+    """Add a component; return the units its connectors use."""
+    component = SubElement(
+        elements,
+        f"{_SSD}Component",
+        {
+            "name": name,
+            "type": "application/x-fmu-sharedlibrary",
+            "source": f"resources/{description.path.name}",
+            "implementation": "CoSimulation",
+        },
+    )
+    fed = {c.name for c in connections if c.target == name}
+    connectors = SubElement(component, f"{_SSD}Connectors")
+    units: set[str] = set()
+    for variable in description.variables.values():
+        shown = variable.causality == "output" or variable.name in fed
+        if variable.kind != "real" or not shown:
+            continue
+        about = {"name": variable.name, "kind": variable.causality}
+        connector = SubElement(connectors, f"{_SSD}Connector", about)
+        known = variable.unit in description.units
+        SubElement(connector, f"{_SSC}Real", {"unit": variable.unit} if known else {})
+        if known:
+            units.add(variable.unit)
+    if binding:
+        holder = SubElement(component, f"{_SSD}ParameterBindings")
+        SubElement(holder, f"{_SSD}ParameterBinding", {"type": _SSV_TYPE, "source": binding})
+    return units
+
+
+def _connections(system: Element, connections: Iterable[Connection]) -> None:
+    holder = SubElement(system, f"{_SSD}Connections")
+    for connection in connections:
+        SubElement(
+            holder,
+            f"{_SSD}Connection",
+            {
+                "startElement": connection.source,
+                "startConnector": connection.name,
+                "endElement": connection.target,
+                "endConnector": connection.name,
+            },
+        )
+
+
+def _units(root: Element, used: set[str], descriptions: Iterable[FmuDescription]) -> None:
+    if not used:
+        return
+    holder = SubElement(root, f"{_SSD}Units")
+    definitions = {name: base for d in descriptions for name, base in d.units.items()}
+    for name in sorted(used):
+        unit = SubElement(holder, f"{_SSC}Unit", {"name": name})
+        SubElement(unit, f"{_SSC}BaseUnit", dict(definitions[name]))
+
+
+def _write_zip(path: Path, files: Mapping[str, bytes]) -> None:
+    scratch = path.with_name(f".{path.name}.part")
+    try:
+        with zipfile.ZipFile(scratch, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in sorted(files):
+                about = zipfile.ZipInfo(name, _FIXED_TIME)
+                about.compress_type = zipfile.ZIP_DEFLATED
+                about.external_attr = 0o644 << 16
+                archive.writestr(about, files[name])
+        scratch.replace(path)
+    finally:
+        scratch.unlink(missing_ok=True)

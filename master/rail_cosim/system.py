@@ -1,0 +1,85 @@
+"""The system structure: which slaves there are and how they are connected."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rail_cosim.connections import Connection, Unconnected, connect
+from rail_cosim.exchange import Link, Port
+from rail_cosim.slave import Slave
+
+
+class SystemStructure:
+    """Slaves connected by equal names of outputs and inputs.
+
+    Attributes
+    ----------
+    slaves
+        In the order in which a sequential algorithm steps them.
+    connections, unconnected
+        What is connected, and the inputs that nothing feeds.
+    ports
+        One per slave, in the same order.
+
+    Raises
+    ------
+    StructureError
+        If the slaves do not fit together (see :func:`rail_cosim.connections.connect`).
+    """
+
+    def __init__(self, slaves: Sequence[Slave]) -> None:
+        self.slaves = tuple(slaves)
+        self.connections: list[Connection]
+        self.unconnected: list[Unconnected]
+        self.connections, self.unconnected = connect(
+            {slave.name: slave.variables for slave in slaves}
+        )
+        self.ports = tuple(self._port(slave) for slave in slaves)
+        for port in self.ports:
+            port.links.extend(self._links(port))
+
+    def __getitem__(self, name: str) -> Slave:
+        return next(slave for slave in self.slaves if slave.name == name)
+
+    def port(self, name: str) -> Port:
+        """Return the port of the slave with this name."""
+        return next(port for port in self.ports if port.slave.name == name)
+
+    def _port(self, slave: Slave) -> Port:
+        inputs = [c.name for c in self.connections if c.target == slave.name]
+        coupled = list(dict.fromkeys(c.name for c in self.connections if c.source == slave.name))
+        others = [
+            variable.name
+            for variable in slave.variables.values()
+            if variable.causality == "output"
+            and variable.kind == "real"
+            and variable.name not in set(coupled)
+        ]
+        return Port(
+            slave=slave,
+            inputs=slave.vector(inputs),
+            outputs=slave.vector(coupled + others),
+            coupled=len(coupled),
+        )
+
+    def _links(self, target: Port) -> list[Link]:
+        links: list[Link] = []
+        for source in self.ports:
+            names = [
+                c.name
+                for c in self.connections
+                if c.target == target.slave.name and c.source == source.slave.name
+            ]
+            if names:
+                where_from = [source.outputs.names.index(name) for name in names]
+                where_to = [target.inputs.names.index(name) for name in names]
+                links.append(
+                    Link(
+                        outputs=source.outputs.values,
+                        source=np.array(where_from, dtype=np.intp),
+                        target=np.array(where_to, dtype=np.intp),
+                    )
+                )
+        return links

@@ -1,0 +1,85 @@
+"""The summary of a run as a table on the terminal."""
+
+from __future__ import annotations
+
+import math
+
+import xarray as xr
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
+
+from rail_cosim.results import SIDES
+from rail_cosim.summary import Summary
+
+
+def _number(value: float, factor: float = 1.0, digits: int = 2) -> str:
+    return "-" if math.isnan(value) else f"{value * factor:.{digits}f}"
+
+
+def wheel_table(summary: Summary) -> Table:
+    """Return the table of wheels: one row per wheelset and side."""
+    table = Table(title=f"Evaluated: {summary.range.text}", title_justify="left", title_style="")
+    table.add_column("wheel")
+    heads = (
+        "mean\nkN",
+        "min\nkN",
+        "max\nkN",
+        f"at sleeper passing\n{_number(summary.sleeper_frequency, digits=1)} Hz, kN",
+        f"at slab passing\n{_number(summary.slab_frequency, digits=1)} Hz, kN",
+        "axle box, largest\nm/s²",
+    )
+    for head in heads:
+        table.add_column(head, justify="right")
+    columns = (
+        (summary.force_mean, 1e-3, 3),
+        (summary.force_min, 1e-3, 3),
+        (summary.force_max, 1e-3, 3),
+        (summary.force_sleeper, 1e-3, 3),
+        (summary.force_slab, 1e-3, 3),
+        (summary.acceleration_max, 1.0, 3),
+    )
+    shape = max((values.shape for values, _, _ in columns), key=lambda shape: shape[0] * shape[1])
+    for wheelset in range(shape[0]):
+        for side in range(shape[1]):
+            cells = [
+                _number(float(values[wheelset, side]), factor, digits)
+                if values.shape == shape
+                else "-"
+                for values, factor, digits in columns
+            ]
+            table.add_row(f"{wheelset + 1} {SIDES[side]}", *cells)
+    return table
+
+
+def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
+    """Return the whole summary: wheels, then the run's own figures.
+
+    Parameters
+    ----------
+    summary
+        The figures.
+    dataset
+        The run, for what its attributes say of the computing.
+    """
+    about = dataset.attrs
+    facts = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    facts.add_column()
+    facts.add_column()
+    dominant = _number(summary.dominant_frequency, digits=1)
+    facts.add_row("dominant frequency, axle boxes", f"{dominant} Hz")
+    simulated, wall = about["simulated_seconds"], about["wall_clock_seconds"]
+    facts.add_row(
+        "real-time factor",
+        f"{about['real_time_factor']:.2f} ({simulated:.3f} s simulated in {wall:.3f} s, "
+        f"{about['cpu_seconds']:.3f} s of processor time)",
+    )
+    facts.add_row(
+        "energy added by the coupling",
+        f"{about['interface_energy_defect']:.3g} J ({about['interface_energy_share']:.2g} of the "
+        "energy exchanged)",
+    )
+    parts: list[Table | Text] = [wheel_table(summary), facts]
+    if not about["complete"]:
+        parts.append(Text(f"incomplete: {about['ended_by']}", style="bold red"))
+    return Group(*parts)
