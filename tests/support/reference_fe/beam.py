@@ -8,7 +8,6 @@ Structures 47, 1993), so there is no locking, and static nodal values are exact 
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from .parameters import ReferenceTrack
 
@@ -91,22 +90,3 @@ def assemble_hinged(
             diagonals[HALF_BANDWIDTH, end] = 1.0
         matrices.append(diagonals)
     return matrices[0], matrices[1]
-
-
-@njit(cache=True)
-def local_compliance(x, length, bending_stiffness, shear_stiffness):  # pragma: no cover
-    """Deflection in m/N under a unit load at x within an element clamped at both ends.
-
-    Added to the nodal solution it makes static deflections exact under the load, too: the part of
-    the kink that the element's own shapes cannot follow.
-    """
-    if x <= 1e-9 * length or x >= (1 - 1e-9) * length:
-        return 0.0
-    direct, cross, rotary = 0.0, 0.0, 0.0
-    for part, sign in ((x, 1.0), (length - x, -1.0)):
-        phi = 12 * bending_stiffness / (shear_stiffness * part**2)
-        factor = bending_stiffness / ((1 + phi) * part**3)
-        direct += 12 * factor
-        cross -= sign * 6 * factor * part
-        rotary += (4 + phi) * factor * part**2
-    return rotary / (direct * rotary - cross**2)

@@ -5,97 +5,34 @@ wheel forces at the end of the step then follow from small dense systems in whic
 vehicle stand as compliances of the step; the contact law is solved by Newton's method. With these
 forces the step is done again exactly. So the result is that of the monolithic implicit system.
 
-Axis names below: family (symmetric, antisymmetric), slab, mode, seat, pad, contact, dof.
+All compiled functions are in this one file, because numba's cache only watches a function's own.
 """
-
-# ruff: noqa: D103
-from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-from .beam import local_compliance
+from .containers import Footing, Workspace
 
 OPTIONS = {"cache": True, "fastmath": {"contract", "reassoc", "nsz", "arcp"}}
 
 
-class Scheme(NamedTuple):
-    """Step in s and the constants of the generalised-alpha method (Chung and Hulbert, 1993)."""
+@njit(**OPTIONS)
+def local_compliance(x, length, bending_stiffness, shear_stiffness):  # pragma: no cover
+    """Deflection in m/N under a unit load at x within an element clamped at both ends.
 
-    step: float
-    alpha_m: float
-    alpha_f: float
-    beta: float
-    gamma: float
-
-
-class TrackOperators(NamedTuple):
-    """Constant operators of the step; the rail is the same in every family."""
-
-    mass: np.ndarray  # (diagonal, dof)
-    stiffness: np.ndarray  # (diagonal, dof)
-    lower: np.ndarray  # (dof, 3): unit lower factor of the step matrix, by row
-    inverse_diagonal: np.ndarray  # (dof,)
-    pad_dofs: np.ndarray  # (pad,)
-    pad_stiffness: float
-    pad_damping: float
-    pad_gain: float  # force of a pad per response of the step, N per unit acceleration
-    pad_solver: np.ndarray  # (family, pad, pad)
-    seat_shape: np.ndarray  # (family, seat, mode)
-    slab_stiffness: np.ndarray  # (family, mode)
-    slab_damping: np.ndarray  # (family, mode)
-    slab_inverse: np.ndarray  # (family, mode)
-    family_sign: np.ndarray  # (side, family)
-    element_length: float
-    shapes: np.ndarray  # (power, element dof)
-    bending_stiffness: float
-    shear_stiffness: float
-
-
-class VehicleOperators(NamedTuple):
-    """Matrices of `RollingStock` and the inverse of its step matrix."""
-
-    inverse_mass: np.ndarray
-    mass: np.ndarray
-    damping: np.ndarray
-    stiffness: np.ndarray
-    inverse: np.ndarray
-    load: np.ndarray
-    contact: np.ndarray
-    multiplicity: float
-    hertz_constant: float
-
-
-class State(NamedTuple):
-    """Everything that a step carries over, changed in place."""
-
-    rail: np.ndarray  # (displacement/velocity/acceleration, family, dof)
-    rail_force: np.ndarray  # (family, dof)
-    slab: np.ndarray  # (displacement/velocity/acceleration, family, slab, mode)
-    slab_force: np.ndarray  # (family, slab, mode)
-    body: np.ndarray  # (displacement/velocity/acceleration, dof)
-    force: np.ndarray  # (contact,)
-    penetration: np.ndarray  # (contact,)
-
-
-class Columns(NamedTuple):
-    """Responses of the step to unit forces at the dofs of the elements under the wheels."""
-
-    first: np.ndarray  # (wheelset,): first dof of the element
-    rail: np.ndarray  # (wheelset, 4, dof): rail alone
-    at_pads: np.ndarray  # (4 * wheelset, pad)
-    pad_force: np.ndarray  # (family, 4 * wheelset, pad)
-    compliance: np.ndarray  # (family, 4 * wheelset, 4 * wheelset): with pads and slabs
-
-
-class Record(NamedTuple):
-    """What a run keeps, one row per instant."""
-
-    force: np.ndarray  # (time, contact)
-    deflection: np.ndarray  # (time, contact)
-    body: np.ndarray  # (time, dof)
-    body_acceleration: np.ndarray  # (time, dof)
-    power: np.ndarray  # (time, 2): dissipated, driving
+    Added to the nodal solution it makes static deflections exact under the load, too: the part of
+    the kink that the element's own shapes cannot follow.
+    """
+    if x <= 1e-9 * length or x >= (1 - 1e-9) * length:
+        return 0.0
+    direct, cross, rotary = 0.0, 0.0, 0.0
+    for part, sign in ((x, 1.0), (length - x, -1.0)):
+        phi = 12 * bending_stiffness / (shear_stiffness * part**2)
+        factor = bending_stiffness / ((1 + phi) * part**3)
+        direct += 12 * factor
+        cross -= sign * 6 * factor * part
+        rotary += (4 + phi) * factor * part**2
+    return rotary / (direct * rotary - cross**2)
 
 
 @njit(**OPTIONS)
@@ -254,7 +191,7 @@ def predict_vehicle(vehicle, scheme, state):
 
 @njit(**OPTIONS)
 def wheel_shapes(ops, scheme, columns, positions):
-    """Rail shapes, their slopes and local compliance (with slope) under each wheelset."""
+    """Rail shapes under each wheelset; sets up columns where a new element begins."""
     wheels, h = len(positions), ops.element_length
     weights, slopes = np.zeros((wheels, 4)), np.zeros((wheels, 4))
     local, local_slope = np.zeros(wheels), np.zeros(wheels)
@@ -272,25 +209,27 @@ def wheel_shapes(ops, scheme, columns, positions):
         rise = local_compliance(high, h, ops.bending_stiffness, ops.shear_stiffness)
         rise -= local_compliance(low, h, ops.bending_stiffness, ops.shear_stiffness)
         local_slope[w] = rise / (high - low)
-    return weights, slopes, local, local_slope
+    return Footing(weights, slopes, local, local_slope)
 
 
 @njit(**OPTIONS)
-def correct_track(ops, scheme, state, family, right, slab_right, pad_force, nodal_force):
+def correct_track(ops, scheme, state, family, work):
     """Finish one family's step with all interface forces known."""
     bu, gu = scheme.beta * scheme.step**2, scheme.gamma * scheme.step
+    pad_force, nodal = work.pad_force[family], work.nodal[family]
     for p in range(len(pad_force)):
-        nodal_force[ops.pad_dofs[p]] -= pad_force[p]
-    state.rail_force[family] = nodal_force
+        nodal[ops.pad_dofs[p]] -= pad_force[p]
+    state.rail_force[family] = nodal
     acceleration = state.rail[2, family]
-    acceleration[:] = right + (1 - scheme.alpha_f) * nodal_force
+    acceleration[:] = work.right[family] + (1 - scheme.alpha_f) * nodal
     solve_factored(ops.lower, ops.inverse_diagonal, acceleration)
     state.rail[0, family] += bu * acceleration
     state.rail[1, family] += gu * acceleration
     seats = ops.seat_shape[family].shape[0]
     modal = np.dot(pad_force.reshape((-1, seats)), ops.seat_shape[family])
     state.slab_force[family] = modal
-    motion = (slab_right + (1 - scheme.alpha_f) * modal) * ops.slab_inverse[family]
+    motion = work.slab_right[family] + (1 - scheme.alpha_f) * modal
+    motion *= ops.slab_inverse[family]
     state.slab[2, family] = motion
     state.slab[0, family] += bu * motion
     state.slab[1, family] += gu * motion
@@ -312,75 +251,100 @@ def dissipation(ops, vehicle, state):
 
 
 @njit(**OPTIONS)
+def advance_freely(ops, scheme, state, columns, footing, work, approach):
+    """Predict the track without new wheel forces; take the rails off the wheels' approach."""
+    bu, sides = scheme.beta * scheme.step**2, len(ops.family_sign)
+    for f in range(sides):
+        rail, slab, free = state.rail[:, f], state.slab[:, f], work.free[f]
+        predict_rail(ops, scheme, rail, state.rail_force[f], work.blend, work.right[f])
+        stiffness, damping = ops.slab_stiffness[f], ops.slab_damping[f]
+        slab_right = work.slab_right[f]
+        predict_slabs(scheme, slab, state.slab_force[f], stiffness, damping, slab_right)
+        free[:] = work.right[f]
+        solve_factored(ops.lower, ops.inverse_diagonal, free)
+        work.pad_force[f] = free_pad_forces(ops, scheme, f, rail, free, slab, slab_right)
+        for w in range(len(footing.weights)):
+            height = 0.0
+            for a in range(4):
+                i = columns.first[w] + a
+                pads = np.dot(columns.at_pads[4 * w + a], work.pad_force[f])
+                moved = rail[0, i] + bu * (free[i] - (1 - scheme.alpha_f) * pads)
+                height += footing.weights[w, a] * moved
+            for s in range(sides):
+                approach[w * sides + s] -= ops.family_sign[s, f] * height
+
+
+@njit(**OPTIONS)
+def press_track(ops, scheme, state, columns, footing, work, force):
+    """Finish the track's step under the wheel forces found."""
+    sides = len(ops.family_sign)
+    work.nodal[:] = 0.0
+    for f in range(sides):
+        for w in range(len(footing.weights)):
+            load = 0.0
+            for s in range(sides):
+                load += ops.family_sign[s, f] * force[w * sides + s] / sides
+            for a in range(4):
+                share = footing.weights[w, a] * load
+                work.nodal[f, columns.first[w] + a] += share
+                work.pad_force[f] += share * columns.pad_force[f, 4 * w + a]
+        correct_track(ops, scheme, state, f, work)
+
+
+@njit(**OPTIONS)
+def observe(ops, vehicle, state, columns, footing, speed, record, row):
+    """Fill a row of the record from the state at its instant."""
+    sides, force = len(ops.family_sign), state.force
+    record.force[row] = force
+    record.body[row] = state.body[0]
+    # Balance of forces: the scheme's own accelerations hold only in the mean over a step.
+    resultant = vehicle.load - vehicle.multiplicity * np.dot(vehicle.contact.T, force)
+    resultant -= np.dot(vehicle.damping, state.body[1])
+    resultant -= np.dot(vehicle.stiffness, state.body[0])
+    record.body_acceleration[row] = np.dot(vehicle.inverse_mass, resultant)
+    for c in range(len(force)):
+        w, s = c // sides, c % sides
+        height, slope = footing.local[w] * force[c], 0.5 * footing.local_slope[w] * force[c]
+        for f in range(sides):
+            for a in range(4):
+                u = ops.family_sign[s, f] * state.rail[0, f, columns.first[w] + a]
+                height += footing.weights[w, a] * u
+                slope += footing.slopes[w, a] * u
+        record.deflection[row, c] = height
+        record.power[row, 1] -= vehicle.multiplicity * speed * force[c] * slope
+
+
+@njit(**OPTIONS)
 def run(ops, vehicle, scheme, state, columns, start, speed, record, with_power):
     """Advance from the state given through all rows of the record; row 0 is the start."""
-    wheels, sides = len(start), len(ops.family_sign)
-    n = state.rail.shape[2]
+    sides, n = len(ops.family_sign), state.rail.shape[2]
     bu, gu = scheme.beta * scheme.step**2, scheme.gamma * scheme.step
     gain = vehicle.multiplicity * (1 - scheme.alpha_f)
     body_response = gain * np.dot(vehicle.inverse, np.ascontiguousarray(vehicle.contact.T))
     vehicle_compliance = bu * np.dot(vehicle.contact, body_response)
-    right, free, blend = np.zeros((sides, n)), np.zeros((sides, n)), np.zeros(n)
-    slab_right = np.zeros(state.slab.shape[1:])
-    pad_force = np.zeros((sides, len(ops.pad_dofs)))
-    family_force = np.zeros((sides, wheels))
+    work = Workspace(
+        np.zeros((sides, n)),
+        np.zeros((sides, n)),
+        np.zeros(n),
+        np.zeros(state.slab.shape[1:]),
+        np.zeros((sides, len(ops.pad_dofs))),
+        np.zeros((sides, n)),
+    )
     for row in range(1, len(record.force)):
-        positions = start + speed * scheme.step * row
-        weights, slopes, local, local_slope = wheel_shapes(ops, scheme, columns, positions)
+        footing = wheel_shapes(ops, scheme, columns, start + speed * scheme.step * row)
         body_free = predict_vehicle(vehicle, scheme, state)
         approach = np.dot(vehicle.contact, state.body[0] + bu * body_free)
-        for f in range(sides):
-            rail, slab = state.rail[:, f], state.slab[:, f]
-            predict_rail(ops, scheme, rail, state.rail_force[f], blend, right[f])
-            predict_slabs(
-                scheme, slab, state.slab_force[f],
-                ops.slab_stiffness[f], ops.slab_damping[f], slab_right[f],
-            )  # fmt: skip
-            free[f] = right[f]
-            solve_factored(ops.lower, ops.inverse_diagonal, free[f])
-            pad_force[f] = free_pad_forces(ops, scheme, f, rail, free[f], slab, slab_right[f])
-            for w in range(wheels):
-                height = 0.0
-                for a in range(4):
-                    i = columns.first[w] + a
-                    pads = np.dot(columns.at_pads[4 * w + a], pad_force[f])
-                    reaction = bu * (1 - scheme.alpha_f) * pads
-                    height += weights[w, a] * (rail[0, i] + bu * free[f, i] - reaction)
-                for s in range(sides):
-                    approach[w * sides + s] -= ops.family_sign[s, f] * height
-        compliance = contact_compliance(ops, weights, columns, vehicle_compliance, local)
-        force = solve_contact(approach, compliance, vehicle.hertz_constant, state.penetration)
-        state.force[:] = force
-        for f in range(sides):
-            nodal = np.zeros(n)
-            for w in range(wheels):
-                family_force[f, w] = 0.0
-                for s in range(sides):
-                    family_force[f, w] += ops.family_sign[s, f] * force[w * sides + s] / sides
-                for a in range(4):
-                    share = weights[w, a] * family_force[f, w]
-                    nodal[columns.first[w] + a] += share
-                    pad_force[f] += share * columns.pad_force[f, 4 * w + a]
-            correct_track(ops, scheme, state, f, right[f], slab_right[f], pad_force[f], nodal)
-        state.body[2] = body_free - np.dot(body_response, force)
+        advance_freely(ops, scheme, state, columns, footing, work, approach)
+        compliance = contact_compliance(
+            ops, footing.weights, columns, vehicle_compliance, footing.local
+        )
+        state.force[:] = solve_contact(
+            approach, compliance, vehicle.hertz_constant, state.penetration
+        )
+        press_track(ops, scheme, state, columns, footing, work, state.force)
+        state.body[2] = body_free - np.dot(body_response, state.force)
         state.body[0] += bu * state.body[2]
         state.body[1] += gu * state.body[2]
-        record.force[row] = force
-        record.body[row] = state.body[0]
-        resultant = vehicle.load - vehicle.multiplicity * np.dot(vehicle.contact.T, force)
-        resultant -= np.dot(vehicle.damping, state.body[1])
-        resultant -= np.dot(vehicle.stiffness, state.body[0])
-        record.body_acceleration[row] = np.dot(vehicle.inverse_mass, resultant)
-        for w in range(wheels):
-            for s in range(sides):
-                c = w * sides + s
-                height, slope = local[w] * force[c], 0.5 * local_slope[w] * force[c]
-                for f in range(sides):
-                    for a in range(4):
-                        u = ops.family_sign[s, f] * state.rail[0, f, columns.first[w] + a]
-                        height += weights[w, a] * u
-                        slope += slopes[w, a] * u
-                record.deflection[row, c] = height
-                record.power[row, 1] -= vehicle.multiplicity * speed * force[c] * slope
+        observe(ops, vehicle, state, columns, footing, speed, record, row)
         if with_power:
             record.power[row, 0] = dissipation(ops, vehicle, state)

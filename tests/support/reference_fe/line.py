@@ -4,20 +4,15 @@ In a linear track that is equal left and right, the half sum and the half differ
 sides do not interact. Each is one rail on half slabs: a `Line`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg
 
-from .beam import (
-    HALF_BANDWIDTH,
-    BeamSection,
-    assemble_hinged,
-    local_compliance,
-    shape_coefficients,
-)
+from .beam import HALF_BANDWIDTH, BeamSection, assemble_hinged, shape_coefficients
+from .kernel import local_compliance
 from .parameters import ReferenceTrack
 from .plate import HalfSlab, Symmetry, half_slab
 
@@ -62,8 +57,9 @@ class Line:
         return 2 * element, shapes, flexibility
 
     def load_vectors(self, positions: np.ndarray) -> np.ndarray:
-        """Unit vertical loads on the rail (shape: dof, position)."""
-        loads = np.zeros((self.matrices()[0].shape[0], len(positions)))
+        """Give unit vertical loads on the rail (shape: dof, position)."""
+        size = self.rail_dofs + self.slab_count * len(self.slab.stiffness)
+        loads = np.zeros((size, len(positions)))
         for column, x in enumerate(positions):
             first, shapes, _ = self.locate(x)
             loads[first : first + 4, column] = shapes
@@ -73,36 +69,37 @@ class Line:
         """Local compliance in m/N at each position."""
         return np.array([self.locate(x)[2] for x in positions])
 
-    def matrices(self) -> tuple[sp.csc_matrix, sp.csc_matrix, sp.csc_matrix]:
+    def matrices(self) -> tuple[sp.csc_array, sp.csc_array, sp.csc_array]:
         """Sparse mass, damping and stiffness of the line."""
         mass, stiffness = (
-            sp.dia_matrix((_dia_layout(m), range(-HALF_BANDWIDTH, HALF_BANDWIDTH + 1)), (n, n))
+            sp.dia_array((_dia_layout(m), range(-HALF_BANDWIDTH, HALF_BANDWIDTH + 1)), (n, n))
             for m, n in ((self.rail_mass, self.rail_dofs), (self.rail_stiffness, self.rail_dofs))
         )
         modes = np.ones(self.slab_count)
         slab = [np.kron(modes, v) for v in (self.slab.damping, self.slab.stiffness)]
         pads = len(self.pad_dofs)
-        rail_end = sp.csr_matrix(
+        rail_end = sp.csr_array(
             (np.ones(pads), (np.arange(pads), self.pad_dofs)), (pads, self.rail_dofs)
         )
-        slab_end = sp.kron(sp.eye(self.slab_count), self.slab.seat_shape)
+        slab_end = sp.kron(sp.eye_array(self.slab_count), self.slab.seat_shape)
         stroke = sp.hstack([rail_end, -slab_end]).tocsr()
         coupling = stroke.T @ stroke
-        rail_zero = sp.csc_matrix((self.rail_dofs, self.rail_dofs))
+        rail_zero = sp.csc_array((self.rail_dofs, self.rail_dofs))
+        slab_damping, slab_stiffness = (sp.diags_array(v) for v in slab)
+        k, c = self.track.pad_stiffness, self.track.pad_damping
         return (
-            sp.block_diag([mass, sp.eye(len(slab[0]))]).tocsc(),
-            (
-                sp.block_diag([rail_zero, sp.diags(slab[0])]) + self.track.pad_damping * coupling
-            ).tocsc(),
-            (
-                sp.block_diag([stiffness, sp.diags(slab[1])]) + self.track.pad_stiffness * coupling
-            ).tocsc(),
+            sp.block_diag([mass, sp.eye_array(len(slab[0]))]).tocsc(),
+            (sp.block_diag([rail_zero, slab_damping]) + c * coupling).tocsc(),
+            (sp.block_diag([stiffness, slab_stiffness]) + k * coupling).tocsc(),
         )
 
 
 def _dia_layout(diagonals: np.ndarray) -> np.ndarray:
     """Diagonals by row as in `assemble_hinged` -> by column as scipy keeps them."""
     return np.array([np.roll(row, d - HALF_BANDWIDTH) for d, row in enumerate(diagonals)])
+
+
+_cached_slab = lru_cache(maxsize=16)(half_slab)
 
 
 @lru_cache(maxsize=16)
@@ -116,7 +113,10 @@ def build_line(track: ReferenceTrack, slab_count: int, symmetry: Symmetry) -> Li
     return Line(
         track=track,
         section=section,
-        slab=half_slab(track, symmetry),
+        # The plate does not depend on these; a common key lets studies share it.
+        slab=_cached_slab(
+            replace(track, pad_stiffness=0.0, pad_damping=0.0, rail_elements_per_bay=2), symmetry
+        ),
         slab_count=slab_count,
         rail_mass=mass,
         rail_stiffness=stiffness,
@@ -124,7 +124,7 @@ def build_line(track: ReferenceTrack, slab_count: int, symmetry: Symmetry) -> Li
 
 
 def static_compliance(line: Line, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Static response to unit loads on the rail.
+    """Solve for unit loads on the rail.
 
     Returns
     -------

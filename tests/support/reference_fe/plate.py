@@ -6,6 +6,7 @@ symmetric about the centre line and once for antisymmetric motion.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -89,8 +90,7 @@ def plate_matrices(
 def subdivide(points: np.ndarray, size: float) -> np.ndarray:
     """Grid through all points whose elements are about ``size`` long."""
     pieces = [
-        np.linspace(a, b, max(1, round((b - a) / size)) + 1)[:-1]
-        for a, b in zip(points[:-1], points[1:], strict=True)
+        np.linspace(a, b, max(1, round((b - a) / size)) + 1)[:-1] for a, b in pairwise(points)
     ]
     return np.append(np.concatenate(pieces), points[-1])
 
