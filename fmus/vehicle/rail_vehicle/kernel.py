@@ -1,0 +1,255 @@
+"""The step of the vehicle over plain arrays, compiled by numba.
+
+State vector (104): coordinates and rates of the linear system (90), pitch
+angles (4) and pitch rates (4) of the wheelsets, yaw damper forces (4),
+position of the car body, its speed.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rail_vehicle.linear_system import FORCE_COUNT, INTERNAL_COUNT, SIGNAL_COUNT, STATE_COUNT
+from rail_vehicle.nonlinear import element_forces
+
+Array = NDArray[np.float64]
+
+PITCH_ANGLES = STATE_COUNT
+PITCH_RATES = STATE_COUNT + 4
+DAMPER_FORCES = STATE_COUNT + 8
+POSITION = STATE_COUNT + 12
+SPEED = STATE_COUNT + 13
+VECTOR_COUNT = STATE_COUNT + 14
+
+RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
+"""Length of what outputs are made of: state, contact forces, acceleration, internal forces."""
+
+_MAX_ITERATIONS = 60
+
+
+@njit(cache=True)
+def add_columns(matrix: Array, first: int, vector: Array, result: Array) -> None:
+    """Add ``matrix[first:first + n].T @ vector`` to ``result``, column by column."""
+    for column in range(vector.size):
+        factor = vector[column]
+        if factor != 0.0:
+            row = matrix[first + column]
+            for index in range(result.size):
+                result[index] += row[index] * factor
+
+
+@njit(cache=True)
+def internal_forces(
+    damper_forces: Array,
+    start: Array,
+    end: Array,
+    duration: float,
+    excess_momentum: Array,
+    law: Array,
+    forces: Array,
+) -> None:
+    """Write element forces and gyroscopic moments at the end of a step, shape (16,).
+
+    ``excess_momentum`` (4,) is the wheelsets' angular momentum beyond that of
+    the parameter ``speed``, whose gyroscopic moments the linear part contains.
+    """
+    element_forces(damper_forces, start, end, duration, law, forces)
+    for index in range(4):
+        forces[8 + index] = excess_momentum[index] * end[20 + index]
+        forces[12 + index] = -excess_momentum[index] * end[16 + index]
+
+
+@njit(cache=True)
+def less_static(forces: Array, static: float) -> Array:
+    """Contact forces (24,) less the vertical force of each wheelset at rest."""
+    excess = forces.copy()
+    for index in range(4):
+        excess[6 * index + 2] -= static
+    return excess
+
+
+@njit(cache=True)
+def evaluate(
+    vector: Array, forces: Array, acceleration: float, signals: Array, constants: Array, law: Array
+) -> Array:
+    """Join the state with contact forces less static, acceleration, internal forces, (145,)."""
+    result = np.zeros(RESULT_COUNT)
+    result[:VECTOR_COUNT] = vector
+    result[VECTOR_COUNT : VECTOR_COUNT + FORCE_COUNT] = less_static(forces, constants[2])
+    result[VECTOR_COUNT + FORCE_COUNT] = acceleration
+    now = np.zeros(SIGNAL_COUNT)
+    add_columns(signals, 0, vector[:STATE_COUNT], now)
+    momentum = constants[0] * (vector[PITCH_RATES : PITCH_RATES + 4] - constants[1])
+    internal_forces(
+        vector[DAMPER_FORCES : DAMPER_FORCES + 4],
+        now,
+        now,
+        0.0,
+        momentum,
+        law,
+        result[VECTOR_COUNT + FORCE_COUNT + 1 :],
+    )
+    return result
+
+
+@njit(cache=True)
+def spin_wheelsets(state: Array, inputs: Array, step: float, inertia: float) -> None:
+    """Integrate pitch angles and rates under the contact's pitch moments, in place."""
+    for index in range(4):
+        column = 6 * index + 4
+        start = inputs[column]
+        end = inputs[FORCE_COUNT + column]
+        bow = inputs[2 * FORCE_COUNT + column]
+        turn = start / 3.0 + end / 6.0 - bow / 12.0
+        gain = 0.5 * (start + end) - bow / 6.0
+        state[PITCH_ANGLES + index] += step * (state[PITCH_RATES + index] + step / inertia * turn)
+        state[PITCH_RATES + index] += step / inertia * gain
+
+
+@njit(cache=True)
+def solve_internal(
+    forces: Array,
+    damper_forces: Array,
+    start: Array,
+    known: Array,
+    feedback: Array,
+    step: float,
+    momentum: Array,
+    law: Array,
+) -> bool:
+    """Find the internal forces at the end by fixed-point iteration; False if it fails.
+
+    ``known`` (24,) are the signals at the end without the end's internal
+    forces; ``forces`` (16,) hold the first guess and the result.
+    """
+    end = np.empty(SIGNAL_COUNT)
+    found = np.empty(INTERNAL_COUNT)
+    for _ in range(_MAX_ITERATIONS):
+        end[:] = known
+        add_columns(feedback, 0, forces, end)
+        internal_forces(damper_forces, start, end, step, momentum, law, found)
+        change, size = 0.0, 1.0
+        for index in range(INTERNAL_COUNT):
+            change = max(change, abs(found[index] - forces[index]))
+            size = max(size, abs(found[index]))
+            forces[index] = found[index]
+        if change <= 1e-11 * size:
+            return True
+    return False
+
+
+@njit(cache=True)
+def fill_inputs(inputs: Array, start: Array, end: Array, bow: Array, part: int, count: int) -> None:
+    """Write the contact forces of the ``part``-th of ``count`` equal parts of the interval.
+
+    The first 72 entries become the forces at its start and end and its bow.
+    """
+    left, right = part / count, (part + 1) / count
+    for index in range(FORCE_COUNT):
+        slope = end[index] - start[index]
+        inputs[index] = start[index] + slope * left + bow[index] * left * (left - 1.0)
+        inputs[FORCE_COUNT + index] = (
+            start[index] + slope * right + bow[index] * right * (right - 1.0)
+        )
+        inputs[2 * FORCE_COUNT + index] = bow[index] / (count * count)
+
+
+@njit(cache=True)
+def advance_part(
+    state: Array,
+    inputs: Array,
+    now: Array,
+    step: float,
+    known: Array,
+    internal: Array,
+    signals: Array,
+    feedback: Array,
+    constants: Array,
+    law: Array,
+) -> bool:
+    """Advance state, signals and the internal forces (last 16 inputs) by one step, in place."""
+    forces = inputs[3 * FORCE_COUNT + 1 :]
+    acceleration = inputs[3 * FORCE_COUNT]
+    ahead = np.zeros(STATE_COUNT)
+    add_columns(known, 0, state[:STATE_COUNT], ahead)
+    add_columns(known, STATE_COUNT, inputs, ahead)
+    spin_wheelsets(state, inputs, step, constants[0])
+    momentum = constants[0] * (state[PITCH_RATES : PITCH_RATES + 4] - constants[1])
+    then = np.zeros(SIGNAL_COUNT)
+    add_columns(signals, 0, ahead, then)
+    damper_forces = state[DAMPER_FORCES : DAMPER_FORCES + 4]
+    converged = solve_internal(forces, damper_forces, now, then, feedback, step, momentum, law)
+    add_columns(internal, 0, forces, ahead)
+    add_columns(feedback, 0, forces, then)
+    now[:] = then
+    state[:STATE_COUNT] = ahead
+    state[DAMPER_FORCES : DAMPER_FORCES + 4] = forces[:4]
+    state[POSITION] += step * (state[SPEED] + 0.5 * acceleration * step)
+    state[SPEED] += acceleration * step
+    return converged
+
+
+@njit(cache=True)
+def advance(
+    vector: Array,
+    start: Array,
+    end: Array,
+    bow: Array,
+    acceleration: float,
+    step: float,
+    count: int,
+    known: Array,
+    internal: Array,
+    signals: Array,
+    feedback: Array,
+    constants: Array,
+    law: Array,
+) -> tuple[Array, bool]:
+    """Advance by ``count`` steps of length ``step``.
+
+    Parameters
+    ----------
+    vector
+        State at the start, shape (104,); not changed.
+    start, end, bow
+        Contact forces, shape (24,), as ``start + (end - start) s + bow s (s - 1)``
+        over the whole interval.
+    acceleration
+        Of the car body over the interval, m/s2.
+    known, internal, signals, feedback
+        See :class:`rail_vehicle.integration.Operators`.
+    constants
+        Spin inertia in kg m2, the spin of the parameter ``speed`` in rad/s,
+        and the vertical force of a wheelset at rest in N.
+    law
+        Constants of the non-linear elements.
+
+    Returns
+    -------
+    result
+        As :func:`evaluate` at the end, shape (145,).
+    good
+        Whether the internal forces were found in every step and all is finite.
+    """
+    state = vector.copy()
+    result = evaluate(state, end, acceleration, signals, constants, law)
+    inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
+    inputs[3 * FORCE_COUNT] = acceleration
+    inputs[3 * FORCE_COUNT + 1 :] = result[VECTOR_COUNT + FORCE_COUNT + 1 :]
+    first = less_static(start, constants[2])
+    last = less_static(end, constants[2])
+    now = np.zeros(SIGNAL_COUNT)
+    add_columns(signals, 0, state[:STATE_COUNT], now)
+    good = True
+    for part in range(count):
+        fill_inputs(inputs, first, last, bow, part, count)
+        good &= advance_part(
+            state, inputs, now, step, known, internal, signals, feedback, constants, law
+        )
+    result[:VECTOR_COUNT] = state
+    result[VECTOR_COUNT + FORCE_COUNT + 1 :] = inputs[3 * FORCE_COUNT + 1 :]
+    for value in result:
+        good &= math.isfinite(value)
+    return result, good

@@ -1,0 +1,289 @@
+"""The vehicle: static equilibrium, pure step, outputs."""
+
+import dataclasses
+import math
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rail_vehicle.arrangement import wheelset_positions
+from rail_vehicle.coordinates import COORDINATE_COUNT, FREE, ROLL, WHEELSET_COORDINATES, YAW, Y, Z
+from rail_vehicle.errors import StepError
+from rail_vehicle.integration import OperatorCache, contraction
+from rail_vehicle.kernel import (
+    DAMPER_FORCES,
+    PITCH_ANGLES,
+    PITCH_RATES,
+    POSITION,
+    SPEED,
+    VECTOR_COUNT,
+    advance,
+    evaluate,
+)
+from rail_vehicle.linear_system import FREE_COUNT, LinearSystem, assemble, first_order
+from rail_vehicle.nonlinear import largest_slopes, law_constants
+from rail_vehicle.outputs import MOTION_COUNT, Output, make_output_map
+from rail_vehicle.parameters import VehicleParameters
+
+Array = NDArray[np.float64]
+
+MAX_INTERNAL_STEP = 1e-3
+"""Longest internal step in s; longer communication steps are divided."""
+
+_LARGEST_CONTRACTION = 0.2
+_STOP_STROKE = 0.05
+"""Compression in m up to which the stops' slope is kept well within the iteration's reach."""
+
+
+_NO_BOW = np.zeros(24)
+
+
+def _flat(forces: Array) -> Array:
+    """Return contact forces (4, 6) as the kernel takes them, shape (24,)."""
+    return np.ascontiguousarray(forces, dtype=np.float64).reshape(24)
+
+
+@dataclasses.dataclass(frozen=True)
+class VehicleState:
+    """State of the vehicle as one vector of 104 numbers; never changed in place.
+
+    The vector is laid out as in :mod:`rail_vehicle.kernel`. It is all that
+    saving and restoring needs.
+    """
+
+    vector: Array
+
+    @property
+    def position(self) -> float:
+        """Position of the car body's centre along the line, m."""
+        return float(self.vector[POSITION])
+
+    @property
+    def speed(self) -> float:
+        """Speed of the car body, m/s."""
+        return float(self.vector[SPEED])
+
+    @property
+    def coordinates(self) -> Array:
+        """All 50 coordinates, shape (50,), m and rad."""
+        values = np.zeros(COORDINATE_COUNT)
+        values[FREE] = self.vector[:FREE_COUNT]
+        values[WHEELSET_COORDINATES[:, 4]] = self.vector[PITCH_ANGLES : PITCH_ANGLES + 4]
+        return values
+
+    @property
+    def rates(self) -> Array:
+        """Rates of the 50 coordinates, shape (50,), m/s and rad/s."""
+        values = np.zeros(COORDINATE_COUNT)
+        values[FREE] = self.vector[FREE_COUNT : 2 * FREE_COUNT]
+        values[WHEELSET_COORDINATES[:, 4]] = self.vector[PITCH_RATES : PITCH_RATES + 4]
+        return values
+
+    @property
+    def yaw_damper_forces(self) -> Array:
+        """Forces of the yaw dampers (bogie 1 left, right, bogie 2 left, right), N."""
+        return self.vector[DAMPER_FORCES : DAMPER_FORCES + 4].copy()
+
+    @classmethod
+    def of_vector(cls, vector: ArrayLike) -> Self:
+        """Make a state of a saved vector.
+
+        Raises
+        ------
+        ValueError
+            If it has not 104 finite entries.
+        """
+        values = np.array(vector, dtype=float)
+        if values.shape != (VECTOR_COUNT,) or not np.isfinite(values).all():
+            raise ValueError(f"a vehicle's state has {VECTOR_COUNT} finite entries")
+        return cls(values)
+
+
+@dataclasses.dataclass(frozen=True)
+class VehicleOutputs:
+    """Values of all outputs in the order of ``VehicleModel.output_table``."""
+
+    vector: Array
+    index: dict[str, int]
+
+    @property
+    def motion(self) -> Array:
+        """Motion of the wheelsets in the order of the terminal, shape (4, 11)."""
+        return self.vector[: 4 * MOTION_COUNT].reshape(4, MOTION_COUNT)
+
+    def __getitem__(self, name: str) -> float:
+        """Return the output of this FMI name."""
+        return float(self.vector[self.index[name]])
+
+
+class VehicleModel:
+    """A vehicle of given parameters. It holds no state: ``step`` is pure.
+
+    Attributes
+    ----------
+    parameters
+        The parameters it was built from.
+    output_table
+        Name, unit and meaning of each output.
+    internal_step
+        Longest step that is not divided, s.
+    """
+
+    def __init__(self, parameters: VehicleParameters) -> None:
+        self.parameters = parameters
+        self._linear, bodies = assemble(parameters)
+        system = first_order(parameters, self._linear)
+        self._operators = OperatorCache(system)
+        self._law = law_constants(parameters)
+        self._constants = np.array(
+            [
+                system.spin_inertia,
+                self._rolling_spin(parameters.speed),
+                -2.0 * parameters.static_wheel_load,
+            ]
+        )
+        self._signals = np.ascontiguousarray(system.signals.T)
+        self._outputs = make_output_map(parameters, bodies, system)
+        self.output_table: tuple[Output, ...] = self._outputs.table
+        self._index = {output.name: place for place, output in enumerate(self.output_table)}
+        self.internal_step = self._longest_step()
+
+    def _rolling_spin(self, speed: float) -> float:
+        return -speed / self.parameters.wheelset.radius
+
+    def _longest_step(self) -> float:
+        """Halve the internal step until the iteration for the element forces contracts well."""
+        slopes = largest_slopes(self.parameters, _STOP_STROKE)
+        step = MAX_INTERNAL_STEP
+        while contraction(self._operators[step], slopes) > _LARGEST_CONTRACTION:
+            step *= 0.5
+        return step
+
+    @property
+    def static_forces(self) -> Array:
+        """Contact forces of the static equilibrium, shape (4, 6), N and N m."""
+        forces = np.zeros((4, 6))
+        forces[:, Z] = -2.0 * self.parameters.static_wheel_load
+        return forces
+
+    def linear_system(self) -> LinearSystem:
+        """Matrices of the linear part, for reference solutions and modal analysis."""
+        return self._linear
+
+    def initial_state(
+        self,
+        initial_vertical_displacement: ArrayLike = (0.0, 0.0, 0.0, 0.0),
+        speed: float | None = None,
+    ) -> VehicleState:
+        """Return the vehicle at rest in the moving frame, its wheelsets at given heights.
+
+        The wheelsets are held at these heights (m, downwards, shape (4,)),
+        upright and centred; everything else is in static equilibrium with
+        that. The wheels roll at ``speed`` (by default the parameter's).
+        """
+        heights = np.asarray(initial_vertical_displacement, dtype=float)
+        speed = self.parameters.speed if speed is None else float(speed)
+        stiffness = self._linear.stiffness
+        held = WHEELSET_COORDINATES[:, [Y, Z, ROLL, YAW]].ravel()
+        vertical = WHEELSET_COORDINATES[:, Z]
+        loose = np.setdiff1d(FREE, held)
+        coordinates = np.zeros(COORDINATE_COUNT)
+        coordinates[vertical] = heights
+        if heights.any():
+            load = -stiffness[np.ix_(loose, vertical)] @ heights
+            coordinates[loose] = np.linalg.solve(stiffness[np.ix_(loose, loose)], load)
+        vector = np.zeros(VECTOR_COUNT)
+        vector[:FREE_COUNT] = coordinates[FREE]
+        vector[PITCH_RATES : PITCH_RATES + 4] = self._rolling_spin(speed)
+        leading = wheelset_positions(self.parameters)[0]
+        vector[POSITION] = self.parameters.initial_position - leading
+        vector[SPEED] = speed
+        return VehicleState(vector)
+
+    def outputs(
+        self, state: VehicleState, forces: Array, acceleration: float = 0.0
+    ) -> VehicleOutputs:
+        """Return the outputs at a state.
+
+        ``forces`` are the contact forces, shape (4, 6); ``acceleration`` is that of the
+        car body along the line in m/s2.
+        """
+        result = evaluate(
+            state.vector, _flat(forces), acceleration, self._signals, self._constants, self._law
+        )
+        return VehicleOutputs(self._outputs(result), self._index)
+
+    def step(
+        self,
+        state: VehicleState,
+        force_start: Array,
+        force_end: Array,
+        dt: float,
+        speed_setpoint: float | None = None,
+        force_bow: Array | None = None,
+    ) -> tuple[VehicleState, VehicleOutputs]:
+        """Advance by ``dt`` seconds.
+
+        Parameters
+        ----------
+        state
+            At the start; not changed.
+        force_start, force_end
+            Contact forces at both ends of the step, shape (4, 6), N and N m.
+        dt
+            Length of the step, s. It is divided if longer than ``internal_step``.
+        speed_setpoint
+            Speed to be reached at the end, m/s, within the limit of
+            acceleration; by default the present speed.
+        force_bow
+            Quadratic part of the forces, shape (4, 6): they are
+            ``start + (end - start) s + bow s (s - 1)`` with s from 0 to 1.
+
+        Returns
+        -------
+        state, outputs
+            At the end of the step.
+
+        Raises
+        ------
+        StepError
+            If the step is not positive, or the state is no longer finite.
+        """
+        if not (dt > 0.0 and math.isfinite(dt)):
+            raise StepError(f"step size {dt!r} s: must be positive and finite")
+        acceleration = self._acceleration(state.speed, speed_setpoint, dt)
+        count = max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
+        operators = self._operators[dt / count]
+        result, good = advance(
+            state.vector,
+            _flat(force_start),
+            _flat(force_end),
+            _NO_BOW if force_bow is None else _flat(force_bow),
+            acceleration,
+            dt / count,
+            count,
+            operators.known,
+            operators.internal,
+            operators.signals,
+            operators.feedback,
+            self._constants,
+            self._law,
+        )
+        if not good:
+            raise StepError(
+                f"the vehicle's motion could not be found at position {state.position:.3f} m: "
+                "the contact forces are not finite or drive the suspensions beyond all bounds; "
+                "try a smaller communication step"
+            )
+        return VehicleState(result[:VECTOR_COUNT]), VehicleOutputs(
+            self._outputs(result), self._index
+        )
+
+    def _acceleration(self, speed: float, setpoint: float | None, dt: float) -> float:
+        if setpoint is None:
+            return 0.0
+        if not math.isfinite(setpoint):
+            raise StepError(f"speed_setpoint = {setpoint!r} m/s: must be finite")
+        limit = self.parameters.speed_constraint.acceleration_limit
+        return min(max((setpoint - speed) / dt, -limit), limit)
