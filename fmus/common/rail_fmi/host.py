@@ -1,11 +1,16 @@
 """What protects the host: text that its logger can print, and cheap calls from its threads."""
 
+import _ctypes
 import ctypes
+import os
+import sys
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 
 _THREAD_LIMIT = 64
 _kept_threads: set[int] = set()
+_settled_libraries: set[str] = set()
 
 
 def printable(message: str) -> str:
@@ -34,6 +39,33 @@ def keep_thread_state() -> None:
     if ident not in _kept_threads and len(_kept_threads) < _THREAD_LIMIT:
         _kept_threads.add(ident)
         ctypes.pythonapi.PyGILState_Ensure()
+
+
+def settle_library(resources: str, model_identifier: str) -> None:
+    """Let the FMU's library be unloaded without a double free (Linux).
+
+    pythonfmu 0.7 destroys its ``PyState`` twice when the library is unloaded
+    or the process ends: as a static object and again in
+    ``onLibraryUnload``, on freed memory. Its own
+    ``finalizePythonInterpreter`` before that makes both harmless. In a Python
+    process the object has nothing to do, so that is done at once. Elsewhere it
+    ends the interpreter, so it is left to the end of the process, before the
+    static objects go.
+    """
+    path = Path(resources).parent / "binaries" / "linux64" / f"{model_identifier}.so"
+    if not sys.platform.startswith("linux") or str(path) in _settled_libraries:
+        return
+    try:
+        library = ctypes.CDLL(str(path), mode=os.RTLD_NOLOAD | os.RTLD_NOW)
+        finalize = library.finalizePythonInterpreter
+    except (OSError, AttributeError):
+        return  # loaded from another place, or another pythonfmu
+    if sys.orig_argv:  # Python was started as a program
+        finalize()
+        _ctypes.dlclose(library._handle)
+    else:  # the handle stays open, so that the function is there at the end
+        _settled_libraries.add(str(path))
+        ctypes.CDLL(None).__cxa_atexit(ctypes.cast(finalize, ctypes.c_void_p), None, None)
 
 
 def texts_from_host(values: Sequence[str]) -> list[str]:

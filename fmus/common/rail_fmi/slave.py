@@ -5,6 +5,7 @@ import math
 import sys
 import threading
 import traceback
+import weakref
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
@@ -73,6 +74,10 @@ class RailSlave(Fmi2Slave):
         self._run_error = self._setup_error = self._last_logged = ""
         self.time = 0.0
         self._built_from: dict[str, Any] | None = None
+        # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending, and
+        # then Python finds it in the instance only.
+        method = weakref.WeakMethod(self._set_strings)
+        self.set_string = lambda vrs, values: (call := method()) and call(vrs, values)
         self._make_variables()
         self._identity = read_identity(self.resources, self.modelName, self.table.digest)
         self.guid = self._identity.guid
@@ -173,6 +178,7 @@ class RailSlave(Fmi2Slave):
         if self._early_log is not None:
             self.log_queue.extend(self._early_log)
             self._early_log = None
+            host.settle_library(self.resources or "", self.modelName or "")
             if self.resources in sys.path:  # put there by pythonfmu, at every instantiation
                 sys.path.remove(self.resources)
 
@@ -368,8 +374,7 @@ class RailSlave(Fmi2Slave):
         """Write booleans by value reference."""
         self._set("boolean", vrs, values)
 
-    def set_string(self, vrs: list[int], values: list[str]) -> None:
-        """Write texts by value reference."""
+    def _set_strings(self, vrs: list[int], values: list[str]) -> None:
         self._set("string", vrs, values)
 
     # State (the names are those that pythonfmu's C++ layer calls)
