@@ -45,6 +45,7 @@ _GETTERS = {
     "string": "getString",
 }
 _WORST_USABLE = Status.WARNING
+HELD_ERROR = "status.message"
 
 
 def _receive(number: Any, instance: bytes, status: int, category: bytes, text: bytes) -> None:
@@ -203,10 +204,12 @@ class FmuSlave:
     def enter_initialization(self) -> None:
         """Enter initialization mode."""
         self._call("enterInitializationMode")
+        self._check_held_error("fmi2EnterInitializationMode")
 
     def exit_initialization(self) -> None:
         """Leave initialization mode."""
         self._call("exitInitializationMode")
+        self._check_held_error("fmi2ExitInitializationMode")
 
     def do_step(self, time: float, step_size: float) -> None:
         """Advance from ``time`` by ``step_size`` seconds."""
@@ -242,6 +245,16 @@ class FmuSlave:
             return getattr(self._fmu, name)(*arguments)
         except FMICallException as error:
             self.fail(error.function, error.status, error)
+
+    def _check_held_error(self, call: str) -> None:
+        """Raise what a slave made with pythonfmu holds back, having no way to return a status."""
+        variable = self.variables.get(HELD_ERROR)
+        if (
+            variable is not None
+            and variable.kind == "string"
+            and self.get([HELD_ERROR])[HELD_ERROR]
+        ):
+            self.fail(call, Status.DISCARD)
 
     def fail(self, call: str, status: int, cause: Exception | None = None) -> None:
         """Raise the error for a status that ends the run, with what the FMU said."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
 import os
 import re
 import tempfile
@@ -179,7 +180,7 @@ def _write(dataset: xr.Dataset, path: Path) -> None:
 
 
 def check_writable(path: Path) -> None:
-    """Make sure before a run that ``path`` can be written after it.
+    """Make sure before a run that a file can be written at ``path`` after it; make its folder.
 
     Raises
     ------
@@ -189,8 +190,26 @@ def check_writable(path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         if path.is_dir():
-            raise IsADirectoryError(21, "it is a directory")
+            raise IsADirectoryError(errno.EISDIR, "it is a directory")
         with tempfile.TemporaryFile(dir=path.parent):
             pass
     except OSError as error:
         raise ResultsError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def check_netcdf(path: Path) -> None:
+    """Make sure before a run that NetCDF can be written at ``path``: the libraries are there too.
+
+    Raises
+    ------
+    ResultsError
+        If it cannot, with the reason.
+    """
+    check_writable(path)
+    try:
+        with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
+            _write(xr.Dataset(attrs={"test": 1}), Path(scratch, "test.nc"))
+    except (ImportError, ValueError) as error:
+        raise ResultsError(
+            f"{path}: NetCDF cannot be written ({error}); install h5netcdf and h5py"
+        ) from error

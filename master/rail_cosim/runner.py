@@ -31,7 +31,7 @@ from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import read_preset
 from rail_cosim.recorder import Recorder
-from rail_cosim.results import check_writable, to_dataset, write_netcdf
+from rail_cosim.results import check_netcdf, check_writable, to_dataset, write_netcdf
 from rail_cosim.simulation import Outcome, Simulation
 from rail_cosim.slave import Slave, Value
 from rail_cosim.summary import summarise
@@ -184,7 +184,7 @@ def run(
 def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
     """Run with checked options (see :func:`run`)."""
     if options.out:
-        check_writable(options.out)
+        check_netcdf(options.out)
     if options.plot:
         check_format(options.plot)
         check_writable(options.plot)
