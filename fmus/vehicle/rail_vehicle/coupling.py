@@ -65,38 +65,40 @@ class ForceHistory:
         ``order`` 0 holds the value, 1 goes on along the last line, 2 along the
         last parabola; early in a run as many values are used as there are.
         """
-        weights_end = self._weights(step, order)
-        end = np.tensordot(weights_end, self.forces[: weights_end.size], axes=1)
-        middle_weights = self._weights(0.5 * step, order)
-        middle = np.tensordot(middle_weights, self.forces[: middle_weights.size], axes=1)
         start = self.forces[0]
-        return ForcePolynomial(start, end, 2.0 * (start + end) - 4.0 * middle)
+        slope, curvature = self._differences(order)
+        ahead = self.ages[1] if self.ages.size > 1 else 0.0
+        end = start + step * (slope + (step + ahead) * curvature)
+        return ForcePolynomial(start, end, step * step * curvature)
 
     def interpolate(self, order: int) -> ForcePolynomial:
         """Return the forces over the step that began at the value before and ends at the newest.
 
         ``order`` 0 takes the newest value for all of the step, 1 the line
         between the two, 2 the parabola through the value before as well.
+
+        Raises
+        ------
+        ValueError
+            If there is only one value.
         """
         if self.ages.size < 2:
             raise ValueError("interpolation needs the values at both ends of the step")
-        end, start = self.forces[0], self.forces[1]
-        if order == 0:
-            return ForcePolynomial(end, end, np.zeros_like(end))
-        step = self.ages[1]
-        if order == 1 or self.ages.size < 3:
-            return ForcePolynomial(start, end, np.zeros_like(end))
-        weights = self._weights(-0.5 * step, 2)
-        middle = np.tensordot(weights, self.forces, axes=1)
-        return ForcePolynomial(start, end, 2.0 * (start + end) - 4.0 * middle)
+        end = self.forces[0]
+        _, curvature = self._differences(order)
+        return ForcePolynomial(
+            end if order == 0 else self.forces[1], end, self.ages[1] ** 2 * curvature
+        )
 
-    def _weights(self, ahead: float, order: int) -> Array:
-        """Lagrange weights of the newest values for a time ``ahead`` of the newest, s."""
+    def _differences(self, order: int) -> tuple[Array, Array]:
+        """First and second divided differences at the newest value, zero beyond ``order``."""
         count = min(order + 1, self.ages.size)
-        times = -self.ages[:count]
-        weights = np.ones(count)
-        for index in range(count):
-            for other in range(count):
-                if other != index:
-                    weights[index] *= (ahead - times[other]) / (times[index] - times[other])
-        return weights
+        zero = np.zeros(self.forces.shape[1:])
+        if count < 2:
+            return zero, zero
+        forces, ages = self.forces, self.ages
+        slope = (forces[0] - forces[1]) / ages[1]
+        if count < 3:
+            return slope, zero
+        before = (forces[1] - forces[2]) / (ages[2] - ages[1])
+        return slope, (slope - before) / ages[2]

@@ -203,7 +203,7 @@ def _axle_boxes(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> I
 
 
 def _suspension_force(elements: list[Element], box: Body, rows: _Rows) -> tuple[float, Array]:
-    """Return the static part and the row of the downward force of the primary suspension on a box."""
+    """Return static part and row of the primary suspension's downward force on a box."""
     load, row = 0.0, np.zeros(RESULT_COUNT)
     for element in elements:
         if element.lower.name == box.name:

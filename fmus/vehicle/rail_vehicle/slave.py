@@ -1,0 +1,216 @@
+"""The vehicle as an FMI slave: a thin mapping between variables and the model."""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_quantities import ParameterSet, flatten, with_values
+
+from rail_vehicle import errors
+from rail_vehicle.coupling import INPUT_TIMES, ForceHistory
+from rail_vehicle.model import VehicleModel, VehicleState
+from rail_vehicle.parameters import VehicleParameters
+from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
+
+CONTACT = (
+    ("longitudinal_force", "N", "forward"),
+    ("lateral_force", "N", "to the right"),
+    ("vertical_force", "N", "downwards; minus the axle load at rest"),
+    ("roll_moment", "N.m", "about the line"),
+    ("pitch_moment", "N.m", "about the lateral axis"),
+    ("yaw_moment", "N.m", "about the vertical"),
+)
+"""Contact force and moment on a wheelset, reduced to its centre of mass."""
+
+_NUMBERS = range(1, 5)
+_HEIGHTS = tuple(f"wheelset[{i}].initial_vertical_displacement" for i in _NUMBERS)
+_FORCES = tuple(f"wheelset[{i}].contact.{name}" for i in _NUMBERS for name, _, _ in CONTACT)
+_INPUT_TIME = "coupling.input_time"
+_FORCE_ORDER = "coupling.force_order"
+_RUN_SETTINGS = ("speed", "initial_position")
+
+
+def preset_values(parameters: ParameterSet) -> dict[str, Any]:
+    """Return a named vehicle as values by name, without the settings of a run."""
+    values = {name: value for name, (_, value) in flatten(parameters).items()}
+    return {name: value for name, value in values.items() if name not in _RUN_SETTINGS}
+
+
+class VehicleSlave(RailSlave):
+    """Vehicle of 50 degrees of freedom, driven by the contact forces on its wheelsets."""
+
+    MODEL_NAME = "HighSpeedVehicle"
+    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
+        "paper": preset_values(PAPER),
+        "soft_primary": preset_values(SOFT_PRIMARY),
+        "manchester1": preset_values(MANCHESTER_1),
+    }
+    description = "High-speed rail vehicle with 50 degrees of freedom"
+    license = "BSD-3-Clause"
+
+    def declare(self) -> Sequence[Variable]:
+        """Return inputs, parameters and outputs."""
+        defaults = VehicleParameters()
+        model = VehicleModel(defaults)
+        return [
+            *_contact_inputs(defaults),
+            Variable(
+                "speed_setpoint",
+                causality="input",
+                unit="m/s",
+                start=defaults.speed,
+                description="Speed the car body is held to; follows `speed` until it is set",
+            ),
+            *parameter_variables(defaults),
+            *_height_parameters(),
+            *_coupling_parameters(),
+            Variable(
+                "static_wheel_load",
+                causality="calculatedParameter",
+                unit="N",
+                start=defaults.static_wheel_load,
+                description="Load of one wheel at rest",
+            ),
+            *(
+                Variable(name, causality="output", unit=unit, description=description)
+                for name, unit, description in model.output_table
+            ),
+        ]
+
+    def initialize(self) -> None:
+        """Build the model, put it into static equilibrium, and write the outputs."""
+        known = flatten(VehicleParameters())
+        values = {name: value for name, value in self.parameters().items() if name in known}
+        parameters = with_values(VehicleParameters(), values)
+        self._model = VehicleModel(parameters)
+        self._find_places()
+        self._order = int(self.values[_FORCE_ORDER])
+        self._at_end = self.values[_INPUT_TIME] == "step_end"
+        self._follow_parameters(parameters)
+        self.values["static_wheel_load"] = parameters.static_wheel_load
+        heights = self.reals[self.indices(_HEIGHTS)]
+        self._state = self._model.initial_state(heights)
+        forces = self.reals[self._inputs].reshape(4, 6)
+        self._history = ForceHistory.begin(forces)
+        self._last_step = 0.0
+        self.reals[self._outputs] = self._model.outputs(self._state, forces).vector
+
+    def _find_places(self) -> None:
+        self._inputs = self.slice_of(*_FORCES)
+        self._outputs = self.slice_of(*(output.name for output in self._model.output_table))
+        self._setpoint = int(self.indices(["speed_setpoint"])[0])
+
+    def _follow_parameters(self, parameters: VehicleParameters) -> None:
+        """Let inputs that nobody has set follow the parameters they stand for.
+
+        So a vehicle of other masses or speed is at rest without a track, too.
+        """
+        vertical = self.indices([f"wheelset[{i}].contact.vertical_force" for i in _NUMBERS])
+        load = -2.0 * parameters.static_wheel_load
+        followed = getattr(self, "_followed", (PAPER.speed, -2.0 * PAPER.static_wheel_load))
+        unset_speed = self.reals[self._setpoint] in (PAPER.speed, followed[0])
+        if unset_speed:
+            self.reals[self._setpoint] = parameters.speed
+        if np.isin(self.reals[vertical], (-2.0 * PAPER.static_wheel_load, followed[1])).all():
+            self.reals[vertical] = load
+        self._followed = (parameters.speed, load)
+        self._speed_is_set = not unset_speed
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance the model and write the outputs."""
+        forces = self.reals[self._inputs].reshape(4, 6)
+        if self._at_end:
+            self._history = self._history.append(forces, step_size)
+            polynomial = self._history.interpolate(self._order)
+        else:
+            self._history = self._history.append(forces, self._last_step)
+            polynomial = self._history.extrapolate(step_size, self._order)
+        try:
+            self._state, outputs = self._model.step(
+                self._state,
+                polynomial.start,
+                polynomial.end,
+                step_size,
+                self._wanted_speed(),
+                polynomial.bow,
+            )
+        except errors.StepError as error:
+            raise StepError(str(error)) from error
+        self._last_step = step_size
+        self.reals[self._outputs] = outputs.vector
+
+    def _wanted_speed(self) -> float:
+        """Return the setpoint, or the parameter while the input has only its start value."""
+        setpoint = float(self.reals[self._setpoint])
+        if not self._speed_is_set:
+            speed = self._model.parameters.speed
+            if setpoint in (PAPER.speed, speed):
+                return speed
+            self._speed_is_set = True
+        return setpoint
+
+    def save(self) -> dict[str, Any]:
+        """Return the state of the model and the forces it remembers."""
+        return {
+            "vector": self._state.vector,
+            "ages": self._history.ages,
+            "forces": self._history.forces,
+            "last_step": self._last_step,
+            "speed_is_set": self._speed_is_set,
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Take back what :meth:`save` returned."""
+        self._state = VehicleState.of_vector(state["vector"])
+        self._history = ForceHistory(state["ages"], state["forces"])
+        self._last_step = float(state["last_step"])
+        self._speed_is_set = bool(state["speed_is_set"])
+
+
+def _contact_inputs(defaults: VehicleParameters) -> list[Variable]:
+    return [
+        Variable(
+            f"wheelset[{number}].contact.{name}",
+            causality="input",
+            unit=unit,
+            start=-2.0 * defaults.static_wheel_load if name == "vertical_force" else 0.0,
+            nominal=1.0e5 if name == "vertical_force" else 1.0e4,
+            description=f"Contact {name.replace('_', ' ')} on the wheelset, {direction}",
+        )
+        for number in _NUMBERS
+        for name, unit, direction in CONTACT
+    ]
+
+
+def _height_parameters() -> list[Variable]:
+    return [
+        Variable(
+            name,
+            causality="parameter",
+            unit="m",
+            description="Height of the wheelset at the start, downwards from the datum",
+        )
+        for name in _HEIGHTS
+    ]
+
+
+def _coupling_parameters() -> list[Variable]:
+    return [
+        Variable(
+            _INPUT_TIME,
+            kind="string",
+            causality="parameter",
+            choices=INPUT_TIMES,
+            description="Instant of the step that the contact forces given to it stand for",
+        ),
+        Variable(
+            _FORCE_ORDER,
+            kind="integer",
+            causality="parameter",
+            start=2,
+            minimum=0,
+            maximum=2,
+            description="Degree of the polynomial in time of the contact forces over a step",
+        ),
+    ]
