@@ -17,10 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from slab_track.parameters import TrackParameters
-from slab_track.plate import PlateModes, free_plate_modes
-from slab_track.rail import RailModes, vertical_modes
+from slab_track.plate import PlateModes, free_plate_modes, seat_compliance
+from slab_track.rail import RailModes, static_flexibility, vertical_modes
 
 SYMMETRIC, ANTISYMMETRIC = 0, 1
+
+FINEST_WAVES_PER_BAY = 60
+"""Wave numbers per fastener bay up to which the residual is summed (2 cm wavelength)."""
 
 
 class SlabSystem(NamedTuple):
@@ -34,11 +37,14 @@ class SlabSystem(NamedTuple):
         Twice the modal damping rate, 1/s, shape (n,).
     seats
         Shape at the rail seats times sqrt(2) for the pair of rails, kg^-1/2, shape (n, C).
+    residual
+        Static compliance at the seats of the modes left out, m/N, shape (C, C).
     """
 
     omega_squared: np.ndarray
     damping: np.ndarray
     seats: np.ndarray
+    residual: np.ndarray
 
 
 class LinearTrack(NamedTuple):
@@ -55,6 +61,9 @@ class LinearTrack(NamedTuple):
     fold_index, fold_sign
         For every wave number the row of ``fastener_sines`` it repeats and its sign
         (0 where the shape vanishes at all fasteners), shape (N,).
+    residual_flexibility
+        Static deflection per unit wave force of the wave numbers N+1, N+2, ... that the
+        modal series leaves out, m/N, shape (R,); empty without residual compliance.
     stiffness, damping
         Of one fastener, N/m and N.s/m.
     slab_count, seat_count
@@ -68,6 +77,7 @@ class LinearTrack(NamedTuple):
     fastener_sines: np.ndarray
     fold_index: np.ndarray
     fold_sign: np.ndarray
+    residual_flexibility: np.ndarray
     stiffness: float
     damping: float
     slab_count: int
@@ -91,12 +101,19 @@ class LinearTrack(NamedTuple):
         sign = self.fold_sign.reshape(-1, *[1] * (folded.ndim - 1))
         return folded[self.fold_index] * sign
 
+    @property
+    def residual_wave_number(self) -> np.ndarray:
+        """Wave numbers of the residual, rad/m, shape (R,)."""
+        first = self.rail.wave_number.size + 1
+        return np.pi / self.length * np.arange(first, first + self.residual_flexibility.size)
+
     def wave_shapes(self, x: np.ndarray) -> np.ndarray:
         """Return sin(k pi x / l) at positions x in the window, shape (N, points)."""
         return np.sin(np.outer(self.rail.wave_number, x))
 
-    def fastener_admittance(self, rail_weight: np.ndarray, slab_weight: np.ndarray,
-                            symmetry: int) -> np.ndarray:
+    def fastener_admittance(
+        self, rail_weight: np.ndarray, slab_weight: np.ndarray, symmetry: int
+    ) -> np.ndarray:
         """Return Z^T diag(weight) Z at the fasteners, rail plus slab, shape (P, P).
 
         ``rail_weight`` (2, N) and ``slab_weight`` (n,) are response per unit modal
@@ -106,13 +123,21 @@ class LinearTrack(NamedTuple):
         beta = np.sum(self.rail.deflection**2 * rail_weight, axis=0)
         classes = np.zeros(self.fastener_count)
         np.add.at(classes, self.fold_index, beta * self.fold_sign**2)
-        admittance = self.fastener_sines.T @ (classes[:, None] * self.fastener_sines)
         seats = self.slabs[symmetry].seats
-        block = seats.T @ (slab_weight[:, None] * seats)
-        for slab in range(self.slab_count):
-            rows = slice(slab * self.seat_count, (slab + 1) * self.seat_count)
-            admittance[rows, rows] += block
-        return admittance
+        return self._over_fasteners(classes, seats.T @ (slab_weight[:, None] * seats))
+
+    def fastener_residual(self, symmetry: int) -> np.ndarray:
+        """Return the static compliance of all modes left out at the fasteners, (P, P), m/N."""
+        first = self.rail.wave_number.size
+        index, sign = _fold_table(first + self.residual_flexibility.size, self.fastener_count)
+        classes = np.zeros(self.fastener_count)
+        np.add.at(classes, index[first:], self.residual_flexibility * sign[first:] ** 2)
+        return self._over_fasteners(classes, self.slabs[symmetry].residual)
+
+    def _over_fasteners(self, classes: np.ndarray, block: np.ndarray) -> np.ndarray:
+        """Rail part by folded wave numbers (P,) and slab part (C, C), over all fasteners."""
+        rail = self.fastener_sines.T @ (classes[:, None] * self.fastener_sines)
+        return rail + np.kron(np.eye(self.slab_count), block)
 
 
 def _fold_table(mode_count: int, fastener_count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -149,11 +174,35 @@ def _slab_systems(parameters: TrackParameters) -> tuple[SlabSystem, SlabSystem]:
     seats_x = (np.arange(fastener.count_per_slab) + 0.5) * fastener.spacing - 0.5 * parameters.pitch
     right = np.full_like(seats_x, 0.5 * parameters.contact.rolling_circle_distance)
     shapes = np.sqrt(2.0) * plate.shapes(seats_x, right)
-    systems = [
-        SlabSystem(omega_squared[of], rate[of], np.ascontiguousarray(shapes[of]))
-        for of in (plate.even, ~plate.even)
-    ]
+    residual = [np.zeros((seats_x.size, seats_x.size)) for _ in range(2)]
+    if slab.residual_compliance:
+        residual = list(
+            seat_compliance(
+                length=parameters.slab_length,
+                width=slab.width,
+                thickness=slab.thickness,
+                youngs_modulus=slab.youngs_modulus,
+                poisson_ratio=slab.poisson_ratio,
+                foundation=stiffness,
+                seats=seats_x,
+                offset=float(right[0]),
+            )
+        )
+    systems = []
+    for symmetry, of in enumerate((plate.even, ~plate.even)):
+        seats = np.ascontiguousarray(shapes[of])
+        if slab.residual_compliance:
+            residual[symmetry] = _positive(
+                residual[symmetry] - (seats.T / omega_squared[of]) @ seats
+            )
+        systems.append(SlabSystem(omega_squared[of], rate[of], seats, residual[symmetry]))
     return systems[0], systems[1]
+
+
+def _positive(compliance: np.ndarray) -> np.ndarray:
+    """Drop the negative eigenvalues that rounding leaves in a compliance matrix."""
+    values, vectors = np.linalg.eigh(0.5 * (compliance + compliance.T))
+    return (vectors * np.maximum(values, 0.0)) @ vectors.T
 
 
 def assemble(parameters: TrackParameters) -> LinearTrack:
@@ -161,15 +210,21 @@ def assemble(parameters: TrackParameters) -> LinearTrack:
     count = parameters.fastener_count
     index, sign = _fold_table(parameters.rail.mode_count, count)
     kappa, i = np.arange(1, count + 1), np.arange(1, count + 1)
+    length, modes = parameters.window_length, parameters.rail.mode_count
+    finest = max(FINEST_WAVES_PER_BAY * count, 2 * modes)
+    left_out = np.arange(modes + 1, finest + 1) if parameters.rail.residual_compliance else []
     return LinearTrack(
-        rail=vertical_modes(parameters.rail, parameters.window_length),
+        rail=vertical_modes(parameters.rail, length),
         slabs=_slab_systems(parameters),
         fastener_sines=np.sin(np.pi / count * np.outer(kappa, i - 0.5)),
         fold_index=index,
         fold_sign=sign,
+        residual_flexibility=static_flexibility(
+            parameters.rail, length, np.pi / length * np.asarray(left_out, dtype=float)
+        ),
         stiffness=parameters.fastener.vertical_stiffness,
         damping=parameters.fastener.vertical_damping,
         slab_count=parameters.window.slab_count,
         seat_count=parameters.fastener.count_per_slab,
-        length=parameters.window_length,
+        length=length,
     )

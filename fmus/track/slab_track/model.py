@@ -15,7 +15,7 @@ from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.errors import TrackError
 from slab_track.motion import MotionHistory
 from slab_track.parameters import TrackParameters
-from slab_track.slide import SlideOperator, slide_operator, slide_rail, slide_slabs
+from slab_track.slide import SlideOperator, slide_operator, slide_rail, slide_rows
 from slab_track.stepping import (
     FieldState,
     StepOperator,
@@ -150,13 +150,11 @@ class TrackModel:
         start = self.place_window(motion[:, 0])
         local = motion[:, 0] - start
         load = np.full(count, np.sqrt(2.0) * p.static_wheel_load)
-        q_rail, q_slab, fastener = statics.static_coordinates(
-            self.linear, local, load, SYMMETRIC
-        )
+        static = statics.static_coordinates(self.linear, local, load, SYMMETRIC)
         state_s, state_a = self._rest(SYMMETRIC), self._rest(ANTISYMMETRIC)
-        state_s.rail[0], state_s.slab[0] = q_rail, q_slab
-        deflection = statics.deflection(self.linear, q_rail, local) * np.sqrt(0.5)
-        deflection = np.repeat(deflection[:, None], 2, axis=1)
+        state_s.rail[0], state_s.slab[0] = static.rail, static.slab
+        state_s.residual[:] = static.residual
+        deflection = np.repeat(np.sqrt(0.5) * static.deflection[:, None], 2, axis=1)
         resting = deflection[:, 0] + self.hertz_constant * p.static_wheel_load ** (2.0 / 3.0)
         datum = float(np.mean(resting))
         state = TrackState(
@@ -167,7 +165,7 @@ class TrackModel:
             normal_force=np.full((count, 2), p.static_wheel_load),
             penetration=np.zeros((count, 2)),
             rail_deflection=deflection,
-            fastener_force=np.repeat(fastener[:, None], 2, axis=1) * np.sqrt(0.5),
+            fastener_force=np.repeat(np.sqrt(0.5) * static.fastener[:, None], 2, axis=1),
             window_start=start,
             slide_count=0,
             slide_residual=0.0,
@@ -199,6 +197,7 @@ class TrackModel:
         return FieldState(
             rail=np.zeros((3, 2, track.rail.wave_number.size)),
             slab=np.zeros((3, track.slab_count, modes)),
+            residual=np.zeros(track.fastener_count),
         )
 
     # -- running ---------------------------------------------------------------
@@ -307,13 +306,10 @@ class TrackModel:
         old = state.symmetric.rail[0], state.antisymmetric.rail[0]
         symmetric = self._slide_field(state.symmetric)
         antisymmetric = self._slide_field(state.antisymmetric)
-        fastener = np.zeros_like(state.fastener_force)
-        seats = self.linear.seat_count
-        fastener[:-seats] = state.fastener_force[seats:]
         return state._replace(
             symmetric=symmetric,
             antisymmetric=antisymmetric,
-            fastener_force=fastener,
+            fastener_force=slide_rows(state.fastener_force, self.linear.seat_count),
             window_start=state.window_start + self.parameters.pitch,
             slide_count=state.slide_count + 1,
             slide_residual=self._residual(old, (symmetric.rail[0], antisymmetric.rail[0])),
@@ -321,8 +317,9 @@ class TrackModel:
 
     def _slide_field(self, field: FieldState) -> FieldState:
         rail = [slide_rail(self.linear.rail, self.slide, level) for level in field.rail]
-        slab = [slide_slabs(level) for level in field.slab]
-        return FieldState(np.array(rail), np.array(slab))
+        slab = [slide_rows(level, 1) for level in field.slab]
+        residual = slide_rows(field.residual, self.linear.seat_count)
+        return FieldState(np.array(rail), np.array(slab), residual)
 
     @functools.cached_property
     def _residual_shapes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -343,4 +340,4 @@ class TrackModel:
 
 
 def _copy(field: FieldState) -> FieldState:
-    return FieldState(field.rail.copy(), field.slab.copy())
+    return FieldState(*(array.copy() for array in field))

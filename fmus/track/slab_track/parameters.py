@@ -40,12 +40,17 @@ class Rail(ParameterSet):
         at_most=1.0,
     )
     mode_count: int = quantity(
-        800,
+        600,
         "1",
         "Number of wave numbers of the rail's modal series, two branches each",
         symbol="N_V",
         at_least=8,
         at_most=4000,
+    )
+    residual_compliance: bool = quantity(
+        True,
+        "1",
+        "Add the static compliance of the rail modes left out, at fasteners and wheels",
     )
 
 
@@ -117,11 +122,16 @@ class Slab(ParameterSet):
         source="difference of the bays' length and the slab length in Table 2",
     )
     mode_count: int = quantity(
-        120,
+        60,
         "1",
         "Plate modes per slab, the three rigid ones included",
         at_least=3,
         at_most=600,
+    )
+    residual_compliance: bool = quantity(
+        True,
+        "1",
+        "Add the static compliance of the plate modes left out, at the rail seats",
     )
 
 

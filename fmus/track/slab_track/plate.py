@@ -11,6 +11,7 @@ Thin (Kirchhoff) plate:
           + 2(1-\nu) w_{xy}^2 \,dA, \quad D = \frac{E h^3}{12(1-\nu^2)}
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -81,31 +82,15 @@ def free_plate_modes(
     1/sqrt(mass). Degrees are chosen so that the frequencies of the modes asked
     for are converged to 0.1 % or better.
     """
-    bending = youngs_modulus * thickness**3 / (12.0 * (1.0 - poisson_ratio**2))
     nx, ny = _degrees(length / width, count)
-    sx, sy = 2.0 / length, 2.0 / width
-    a2, a20, a1 = _integrals(nx)
-    b2, b20, b1 = _integrals(ny)
-    scale = bending / (density * thickness)
+    scale = _bending_stiffness(thickness, youngs_modulus, poisson_ratio) / (density * thickness)
     found = []
-    for px in (0, 1):
-        for py in (0, 1):
-            i, j = np.arange(px, nx, 2), np.arange(py, ny, 2)
-            ii, jj = np.ix_(i, i), np.ix_(j, j)
-            eye_x, eye_y = np.eye(len(i)), np.eye(len(j))
-            stiffness = (
-                sx**4 * np.kron(a2[ii], eye_y)
-                + sy**4 * np.kron(eye_x, b2[jj])
-                + poisson_ratio
-                * (sx * sy) ** 2
-                * (np.kron(a20[ii], b20[jj].T) + np.kron(a20[ii].T, b20[jj]))
-                + 2.0 * (1.0 - poisson_ratio) * (sx * sy) ** 2 * np.kron(a1[ii], b1[jj])
-            )
-            values, vectors = np.linalg.eigh(scale * stiffness)
-            for value, vector in zip(values[:count], vectors.T[:count], strict=True):
-                full = np.zeros((nx, ny))
-                full[np.ix_(i, j)] = vector.reshape(len(i), len(j))
-                found.append((value, py == 0, full))
+    for i, j, stiffness in _classes(nx, ny, length, width, poisson_ratio):
+        values, vectors = np.linalg.eigh(scale * stiffness)
+        for value, vector in zip(values[:count], vectors.T[:count], strict=True):
+            full = np.zeros((nx, ny))
+            full[np.ix_(i, j)] = vector.reshape(len(i), len(j))
+            found.append((value, j[0] == 0, full))
     found.sort(key=lambda mode: mode[0])
     found = found[:count]
     omega_squared = np.array([mode[0] for mode in found])
@@ -117,6 +102,67 @@ def free_plate_modes(
         length=length,
         width=width,
     )
+
+
+def seat_compliance(
+    *,
+    length: float,
+    width: float,
+    thickness: float,
+    youngs_modulus: float,
+    poisson_ratio: float,
+    foundation: float,
+    seats: np.ndarray,
+    offset: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the static compliance of a free plate on a uniform layer at its rail seats.
+
+    The layer has ``foundation`` N/m3; seats stand at x = ``seats`` (C,) and y = -/+
+    ``offset``. Returns the symmetric and antisymmetric matrices (C, C) in m/N for the
+    orthonormal pairs (left +/- right)/sqrt(2).
+    """
+    bending = _bending_stiffness(thickness, youngs_modulus, poisson_ratio)
+    # The dish under a seat has the size of the layer's characteristic length.
+    dish = (bending / foundation) ** 0.25
+    nx = int(np.clip(4.0 * length / dish, 24, 90))
+    ny = int(np.clip(4.0 * width / dish, 24, 60))
+    along = _orthonormal(2.0 * seats / length, nx)
+    across = _orthonormal(np.array([2.0 * offset / width]), ny)[:, 0]
+    result = [np.zeros((seats.size, seats.size)) for _ in range(2)]
+    for i, j, stiffness in _classes(nx, ny, length, width, poisson_ratio):
+        matrix = bending * stiffness
+        matrix[np.diag_indices_from(matrix)] += foundation
+        loads = np.sqrt(2.0) * np.kron(along[i], across[j][:, None])
+        loads /= np.sqrt(0.25 * length * width)
+        result[int(j[0])] += loads.T @ np.linalg.solve(matrix, loads)
+    return result[0], result[1]
+
+
+def _bending_stiffness(thickness: float, youngs_modulus: float, poisson_ratio: float) -> float:
+    return youngs_modulus * thickness**3 / (12.0 * (1.0 - poisson_ratio**2))
+
+
+def _classes(
+    nx: int, ny: int, length: float, width: float, poisson_ratio: float
+) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Degrees in x, degrees in y and stiffness at D = 1 of the four symmetry classes."""
+    sx, sy = 2.0 / length, 2.0 / width
+    a2, a20, a1 = _integrals(nx)
+    b2, b20, b1 = _integrals(ny)
+    for px in (0, 1):
+        for py in (0, 1):
+            i, j = np.arange(px, nx, 2), np.arange(py, ny, 2)
+            ii, jj = np.ix_(i, i), np.ix_(j, j)
+            yield (
+                i,
+                j,
+                sx**4 * np.kron(a2[ii], np.eye(j.size))
+                + sy**4 * np.kron(np.eye(i.size), b2[jj])
+                + poisson_ratio
+                * (sx * sy) ** 2
+                * (np.kron(a20[ii], b20[jj].T) + np.kron(a20[ii].T, b20[jj]))
+                + 2.0 * (1.0 - poisson_ratio) * (sx * sy) ** 2 * np.kron(a1[ii], b1[jj]),
+            )
 
 
 def _degrees(aspect: float, count: int) -> tuple[int, int]:

@@ -89,3 +89,14 @@ def vertical_modes(rail: Rail, length: float) -> RailModes:
         mass_per_length=rail.density * rail.area,
         rotary_inertia=rail.density * rail.vertical_second_moment,
     )
+
+
+def static_flexibility(rail: Rail, length: float, wave_number: np.ndarray) -> np.ndarray:
+    """Return the static deflection amplitude per unit wave force, m/N, for each wave number.
+
+    Both branches together: 2/l (1/(E I kappa^4) + 1/(kappa_z G A kappa^2)), the terms
+    of the hinged Timoshenko beam's static Green's function.
+    """
+    bending = rail.youngs_modulus * rail.vertical_second_moment
+    shear = rail.vertical_shear_coefficient * rail.shear_modulus * rail.area
+    return 2.0 / length * (1.0 / (bending * wave_number**4) + 1.0 / (shear * wave_number**2))

@@ -80,8 +80,8 @@ def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray
     return rail.deflection / norm_z * z + rail.rotation / norm_psi * psi
 
 
-def slide_slabs(coordinates: np.ndarray) -> np.ndarray:
-    """Move slab coordinates (S, n) by one slab; the new slab in front is at rest."""
-    moved = np.zeros_like(coordinates)
-    moved[:-1] = coordinates[1:]
+def slide_rows(values: np.ndarray, count: int) -> np.ndarray:
+    """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
+    moved = np.zeros_like(values)
+    moved[:-count] = values[count:]
     return moved

@@ -14,15 +14,25 @@ The modal forces g' hold the fastener forces p' and the wheel forces F', which
 depend on the new motion. With the free step (g' = 0) known, the fasteners obey
 a constant linear system, solved once per step size:
 
-.. math:: p' = D\,\tilde p + \Lambda\, Y_w F',\quad
-          D = (I + \mu Y)^{-1},\quad \Lambda = \mu D,\quad
+.. math:: p' = D\,(\tilde p + \mu Y_w F'),\quad
+          D = (I + \mu Y)^{-1},\quad
           \mu = k\tfrac{h^2}{4} + c\tfrac h2
 
 with Y the admittance at the fasteners, :math:`Y_w` that between fasteners and
-wheels, and :math:`\tilde p` the fastener forces of the free step. What remains
-per wheel is one scalar equation of Hertz's law with the compliance
+wheels, and :math:`\tilde p` the fastener forces of the free step.
 
-.. math:: C = \tfrac{h^2}{4}\left(Z_w^T\beta Z_w - Y_w^T\Lambda Y_w\right).
+The modes left out of the series follow the forces without inertia: at fasteners
+and wheels they add :math:`r = R_w F - R p` with their static compliance. Their
+rate in the fasteners' dampers is taken as the backward difference
+:math:`(r'-r)/h`, so with :math:`\nu = k + c/h`
+
+.. math:: p' = D\left(\tilde p - \tfrac{c}{h} r + (\mu Y_w + \nu R_w) F'\right),\quad
+          D = (I + \mu Y + \nu R)^{-1}.
+
+What remains per wheel is one scalar equation of Hertz's law with the compliance
+
+.. math:: C = \tfrac{h^2}{4} Z_w^T\beta Z_w + R_{ww}
+          - \left(\tfrac{h^2}{4} Y_w + R_w\right)^T D\,(\mu Y_w + \nu R_w).
 """
 
 from typing import NamedTuple
@@ -31,6 +41,7 @@ import numba
 import numpy as np
 
 from slab_track.assembly import LinearTrack
+from slab_track.kernel import between, kernel_table, to_fasteners
 
 _SQRT_HALF = np.sqrt(0.5)
 
@@ -44,23 +55,36 @@ class FieldState(NamedTuple):
         Shape (3, 2, N): derivative, branch, wave number.
     slab
         Shape (3, S, n): derivative, slab, mode.
+    residual
+        Compression of the fasteners by the modes left out, shape (P,), m.
     """
 
     rail: np.ndarray
     slab: np.ndarray
+    residual: np.ndarray
 
 
 class StepOperator(NamedTuple):
-    """Constants of one symmetry class for one internal step size.
+    """Constants of one symmetry class for one internal step size h.
 
     Attributes
     ----------
     rail_weight, slab_weight
         alpha of each coordinate, shapes (2, N) and (n,).
     beta
-        Deflection response per unit modal wave force, shape (N,).
-    solve, coupling
-        D and Lambda, shape (P, P).
+        Deflection amplitude per unit modal wave force, shape (N,).
+    solve
+        D, shape (P, P).
+    residual
+        R, static compliance of the modes left out at the fasteners, shape (P, P), m/N.
+    response_kernel, residual_kernel
+        Tables of h^2/4 beta and of the residual (see :mod:`slab_track.kernel`).
+    modal_gain, residual_gain
+        mu / (h^2/4) and nu, N/m.
+    lag
+        c / h, N/m.
+    spacing
+        Distance of the fasteners, m.
     """
 
     rail_omega_squared: np.ndarray
@@ -76,9 +100,15 @@ class StepOperator(NamedTuple):
     fold_index: np.ndarray
     fold_sign: np.ndarray
     solve: np.ndarray
-    coupling: np.ndarray
+    residual: np.ndarray
+    response_kernel: np.ndarray
+    residual_kernel: np.ndarray
     stiffness: float
     damping: float
+    modal_gain: float
+    residual_gain: float
+    lag: float
+    spacing: float
 
 
 def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperator:
@@ -87,14 +117,18 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     quarter = 0.25 * step**2
     rail_weight = 1.0 / (1.0 + quarter * rail.omega_squared)
     slab_weight = 1.0 / (1.0 + 0.5 * step * slab.damping + quarter * slab.omega_squared)
+    beta = np.sum(rail.deflection**2 * rail_weight, axis=0)
     admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
+    residual = track.fastener_residual(symmetry)
     mu = quarter * track.stiffness + 0.5 * step * track.damping
-    solve = np.linalg.inv(np.eye(track.fastener_count) + mu * admittance)
+    nu = track.stiffness + track.damping / step
+    count = track.fastener_count
+    left_out = np.concatenate([np.zeros(beta.size), track.residual_flexibility])
     return StepOperator(
         rail_omega_squared=rail.omega_squared,
         rail_deflection=rail.deflection,
         rail_weight=rail_weight,
-        beta=np.sum(rail.deflection**2 * rail_weight, axis=0),
+        beta=beta,
         wave_number=rail.wave_number,
         slab_omega_squared=slab.omega_squared,
         slab_damping=slab.damping,
@@ -103,10 +137,16 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
         sines=track.fastener_sines,
         fold_index=track.fold_index,
         fold_sign=track.fold_sign,
-        solve=np.ascontiguousarray(solve),
-        coupling=np.ascontiguousarray(mu * solve),
+        solve=np.linalg.inv(np.eye(count) + mu * admittance + nu * residual),
+        residual=residual,
+        response_kernel=kernel_table(quarter * beta, count),
+        residual_kernel=kernel_table(left_out, count),
         stiffness=track.stiffness,
         damping=track.damping,
+        modal_gain=mu / quarter,
+        residual_gain=nu,
+        lag=track.damping / step,
+        spacing=track.length / count,
     )
 
 
@@ -170,25 +210,42 @@ def _unfolded(operator, fastener_force):
 
 
 @numba.njit(cache=True)
-def _wheel_admittance(operator, shapes):
-    """Response at the fasteners per unit wheel force, Y_w, shape (P, wheels)."""
-    folded = np.zeros((operator.sines.shape[0], shapes.shape[0]))
-    for wheel in range(shapes.shape[0]):
-        for k in range(operator.beta.size):
-            folded[operator.fold_index[k], wheel] += (
-                operator.fold_sign[k] * operator.beta[k] * shapes[wheel, k]
+def _wheel_coupling(operator, positions):
+    """Coupling of the wheels at ``positions`` (w,) with fasteners and with each other.
+
+    Returns the deflection at the fasteners per unit wheel force, the forces on clamped
+    fasteners mu Y_w + nu R_w, both (w, P), and h^2/4 Z_w^T beta Z_w + R_ww, (w, w).
+    """
+    wheels, fasteners = positions.size, operator.sines.shape[0]
+    deflection = np.empty((wheels, fasteners))
+    force = np.empty((wheels, fasteners))
+    direct = np.empty((wheels, wheels))
+    modal, residual = np.empty(fasteners), np.empty(fasteners)
+    bays = positions / operator.spacing
+    for wheel in range(wheels):
+        to_fasteners(operator.response_kernel, bays[wheel], modal)
+        to_fasteners(operator.residual_kernel, bays[wheel], residual)
+        for i in range(fasteners):
+            deflection[wheel, i] = modal[i] + residual[i]
+            force[wheel, i] = (
+                operator.modal_gain * modal[i] + operator.residual_gain * residual[i]
             )
-    return operator.sines.T @ folded
+        for other in range(wheels):
+            direct[wheel, other] = between(
+                operator.response_kernel, bays[wheel], bays[other]
+            ) + between(operator.residual_kernel, bays[wheel], bays[other])
+    return deflection, force, direct
 
 
 @numba.njit(cache=True)
-def free_class_step(operator, rail, slab, shapes, step):
+def free_class_step(operator, field, shapes, positions, step):
     """Step one symmetry class with fasteners but without wheel forces.
 
-    Advances ``rail`` and ``slab`` (free of all forces yet) in place and returns the
-    fastener forces without wheels (P,), the rail deflection at the wheels (wheels,),
-    the compliance there (wheels, wheels), and Y_w.
+    Advances the coordinates (free of all forces yet) in place. Returns the fastener
+    forces without wheels (P,), those per unit wheel force (w, P), the rail deflection at
+    the wheels (w,) and the compliance there (w, w).
     """
+    rail, slab = field.rail, field.slab
     no_damping = np.zeros_like(operator.rail_omega_squared)
     _free_step(rail, operator.rail_omega_squared, no_damping, operator.rail_weight, step)
     _free_step(
@@ -198,41 +255,36 @@ def free_class_step(operator, rail, slab, shapes, step):
         operator.slab_weight.reshape(1, -1),
         step,
     )
-    fastener = operator.solve @ _fastener_extension(operator, rail, slab)
-    quarter = 0.25 * step * step
-    wave = (
-        operator.rail_deflection[0] * rail[0, 0]
-        + operator.rail_deflection[1] * rail[0, 1]
-        - quarter * operator.beta * _unfolded(operator, fastener)
-    )
-    y_wheel = _wheel_admittance(operator, shapes)
-    compliance = quarter * (
-        (shapes * operator.beta) @ shapes.T - y_wheel.T @ (operator.coupling @ y_wheel)
-    )
-    return fastener, shapes @ wave, compliance, y_wheel
+    at_fasteners, clamped, direct = _wheel_coupling(operator, positions)
+    extension = _fastener_extension(operator, rail, slab) - operator.lag * field.residual
+    fastener = operator.solve @ extension
+    per_wheel = clamped @ operator.solve.T
+    wave = operator.rail_deflection[0] * rail[0, 0] + operator.rail_deflection[1] * rail[0, 1]
+    free = shapes @ wave - at_fasteners @ fastener
+    return fastener, per_wheel, free, direct - at_fasteners @ per_wheel.T
 
 
 @numba.njit(cache=True)
-def close_class_step(operator, rail, slab, shapes, step, fastener, forces):
-    """Add the fastener forces (P,) and wheel forces (wheels,) to a free step, in place."""
+def close_class_step(operator, field, shapes, positions, step, fastener, forces):
+    """Add the fastener forces (P,) and wheel forces (w,) to a free step, in place."""
+    rail, slab = field.rail, field.slab
     quarter, half = 0.25 * step * step, 0.5 * step
     wave = forces @ shapes - _unfolded(operator, fastener)
     for branch in range(2):
         for k in range(wave.size):
-            a = (
-                operator.rail_weight[branch, k]
-                * operator.rail_deflection[branch, k]
-                * wave[k]
-            )
+            a = operator.rail_weight[branch, k] * operator.rail_deflection[branch, k] * wave[k]
             rail[0, branch, k] += quarter * a
             rail[1, branch, k] += half * a
             rail[2, branch, k] += a
-    slab_a = (
-        fastener.reshape(slab.shape[1], -1) @ operator.seats.T
-    ) * operator.slab_weight
+    slab_a = (fastener.reshape(slab.shape[1], -1) @ operator.seats.T) * operator.slab_weight
     slab[0] += quarter * slab_a
     slab[1] += half * slab_a
     slab[2] += slab_a
+    field.residual[:] = -(operator.residual @ fastener)
+    at_fasteners = np.empty(fastener.size)
+    for wheel in range(forces.size):
+        to_fasteners(operator.residual_kernel, positions[wheel] / operator.spacing, at_fasteners)
+        field.residual[:] += forces[wheel] * at_fasteners
 
 
 @numba.njit(cache=True)
@@ -288,7 +340,7 @@ def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
 
 
 @numba.njit(cache=True)
-def advance(symmetric, antisymmetric, state_s, state_a, positions, heights, force, applied,
+def advance(symmetric, antisymmetric, state_s, state_a, positions, drive, force, applied,
             hertz_constant, step):
     """Advance the track through several internal steps, in place.
 
@@ -300,7 +352,7 @@ def advance(symmetric, antisymmetric, state_s, state_a, positions, heights, forc
         Field states, changed in place.
     positions
         Wheelsets in the window at the end of each internal step, (steps, wheels), m.
-    heights
+    drive
         Heights of the wheels' lowest points against the unloaded rail head, downwards,
         (steps, wheels, 2), m; or, where ``applied``, the forces on the rail heads, N.
     force
@@ -319,17 +371,18 @@ def advance(symmetric, antisymmetric, state_s, state_a, positions, heights, forc
     fastener_a = fastener_s
     deflection = np.zeros_like(force)
     for n in range(positions.shape[0]):
-        shapes = wheel_shapes(symmetric.wave_number, positions[n])
-        fastener_s, free_s, compliance_s, y_s = free_class_step(
-            symmetric, state_s.rail, state_s.slab, shapes, step
+        x = positions[n]
+        shapes = wheel_shapes(symmetric.wave_number, x)
+        fastener_s, wheel_s, free_s, compliance_s = free_class_step(
+            symmetric, state_s, shapes, x, step
         )
-        fastener_a, free_a, compliance_a, y_a = free_class_step(
-            antisymmetric, state_a.rail, state_a.slab, shapes, step
+        fastener_a, wheel_a, free_a, compliance_a = free_class_step(
+            antisymmetric, state_a, shapes, x, step
         )
         if applied:
-            force = heights[n].copy()
+            force = drive[n].copy()
         else:
-            approach = heights[n].copy()
+            approach = drive[n].copy()
             approach[:, 0] -= _SQRT_HALF * (free_s - free_a)
             approach[:, 1] -= _SQRT_HALF * (free_s + free_a)
             force, penetration = contact_forces(
@@ -337,14 +390,10 @@ def advance(symmetric, antisymmetric, state_s, state_a, positions, heights, forc
             )
         force_s = _SQRT_HALF * (force[:, 0] + force[:, 1])
         force_a = _SQRT_HALF * (force[:, 1] - force[:, 0])
-        fastener_s += symmetric.coupling @ (y_s @ force_s)
-        fastener_a += antisymmetric.coupling @ (y_a @ force_a)
-        close_class_step(
-            symmetric, state_s.rail, state_s.slab, shapes, step, fastener_s, force_s
-        )
-        close_class_step(
-            antisymmetric, state_a.rail, state_a.slab, shapes, step, fastener_a, force_a
-        )
+        fastener_s += force_s @ wheel_s
+        fastener_a += force_a @ wheel_a
+        close_class_step(symmetric, state_s, shapes, x, step, fastener_s, force_s)
+        close_class_step(antisymmetric, state_a, shapes, x, step, fastener_a, force_a)
         u_s, u_a = free_s + compliance_s @ force_s, free_a + compliance_a @ force_a
         deflection[:, 0] = _SQRT_HALF * (u_s - u_a)
         deflection[:, 1] = _SQRT_HALF * (u_s + u_a)
