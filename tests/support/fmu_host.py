@@ -1,6 +1,7 @@
 """A real FMI host for tests: fmpy, with the messages kept and statuses returned."""
 
 import ctypes
+import shutil
 import tempfile
 from typing import Any
 
@@ -10,31 +11,43 @@ from fmpy.fmi1 import FMICallException
 from fmpy.logging import addLoggerProxy
 
 
+_log: dict[str, list[tuple[int, str]]] = {}
+
+
+def _logged(_env: Any, name: bytes, status: int, _category: bytes, text: bytes) -> None:
+    _log.setdefault(name.decode(), []).append((status, text.decode()))
+
+
+def _callbacks() -> fmi2.fmi2CallbackFunctions:
+    """Return callbacks; one set for all, because fmpy's proxy knows one logger only."""
+    made = fmi2.fmi2CallbackFunctions()
+    made.logger = fmi2.fmi2CallbackLoggerTYPE(_logged)
+    made.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
+    made.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    addLoggerProxy(ctypes.byref(made))
+    return made
+
+
+_shared_callbacks = _callbacks()
+
+
 class Host:
-    """One FMU, extracted and loaded; several instances of it may be made."""
+    """One instance of an FMU, extracted and loaded anew."""
 
     def __init__(self, path: str, name: str = "one", *, logging: bool = True) -> None:
         self.folder = tempfile.mkdtemp(prefix="fmu_host_")
         self.about = fmpy.read_model_description(path)
         fmpy.extract(path, self.folder)
         self.vars = {v.name: v for v in self.about.modelVariables}
-        self.log: list[tuple[int, str]] = []
-        self.callbacks = fmi2.fmi2CallbackFunctions()
-        self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._logged)
-        self.callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
-        self.callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-        addLoggerProxy(ctypes.byref(self.callbacks))
+        self.log = _log.setdefault(name, [])
         self.fmu = fmi2.FMU2Slave(
             guid=self.about.guid,
             unzipDirectory=self.folder,
             modelIdentifier=self.about.coSimulation.modelIdentifier,
             instanceName=name,
         )
-        self.fmu.instantiate(callbacks=self.callbacks, loggingOn=logging)
+        self.fmu.instantiate(callbacks=_shared_callbacks, loggingOn=logging)
         self.time = 0.0
-
-    def _logged(self, _env: Any, _name: bytes, status: int, _category: bytes, text: bytes) -> None:
-        self.log.append((status, text.decode()))
 
     def set(self, **values: Any) -> "Host":
         """Set variables by name; ``__`` stands for a dot."""
@@ -73,5 +86,7 @@ class Host:
         return [text for number, text in self.log if number == status]
 
     def close(self) -> None:
+        """End the run, and leave nothing behind."""
         self.fmu.terminate()
         self.fmu.freeInstance()
+        shutil.rmtree(self.folder)
