@@ -113,6 +113,11 @@ class TrackModel:
             solver=p.window.slide_solver,
         )
 
+    def prepare(self) -> None:
+        """Compute now what the first step and the first slide would compute."""
+        if self.parameters.window.method == "sliding":
+            _ = self.slide
+
     # -- start ---------------------------------------------------------------
 
     def default_positions(self) -> np.ndarray:

@@ -1,0 +1,145 @@
+"""The track as an FMI slave: a thin mapping between variables and the model."""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_quantities import flatten, with_values
+
+from slab_track import variables as names
+from slab_track.errors import TrackError
+from slab_track.model import TrackModel, TrackState
+from slab_track.motion import MOTION, MotionHistory
+from slab_track.parameters import TrackParameters
+from slab_track.presets import LINES
+from slab_track.stepping import FieldState
+
+NOT_MODELLED = (
+    "this version models the vertical motion of rails and slabs and the normal contact force; "
+    "not modelled yet: lateral motion and torsion of the rails, wheel and rail profiles, creep "
+    "forces (their outputs are zero) and track irregularities (the line is smooth)"
+)
+
+_RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
+
+
+class TrackSlave(RailSlave):
+    """Two rails on slabs in a window that slides along with the wheelsets."""
+
+    MODEL_NAME = "InfiniteSlabTrack"
+    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
+        name: {
+            key: value
+            for key, (_, value) in flatten(line).items()
+            if key not in _RUN_SETTINGS
+        }
+        for name, line in LINES.items()
+    }
+    description = "Endless slab track with wheel/rail contact"
+    license = "BSD-3-Clause"
+
+    def declare(self) -> Sequence[Variable]:
+        """Return inputs, parameters and outputs."""
+        return [
+            *names.inputs(),
+            *parameter_variables(TrackParameters()),
+            *names.settings(),
+            *names.outputs(),
+        ]
+
+    def initialize(self) -> None:
+        """Build the track, bring it into equilibrium, and write the outputs."""
+        known = flatten(TrackParameters())
+        values = {name: value for name, value in self.parameters().items() if name in known}
+        parameters = with_values(TrackParameters(), values)
+        if getattr(self, "_model", None) is None or self._model.parameters != parameters:
+            self._model = TrackModel(parameters)
+            self._find_places(parameters.wheelset_count)
+        self._at_end = self.values[names.INPUT_TIME] == "step_end"
+        try:
+            self._state = self._model.initial_state(self._motion(), self.time)
+        except TrackError as error:
+            raise StepError(str(error)) from error
+        self._count = parameters.wheelset_count
+        heights = self._model.static_heights(self._state)
+        self.reals[self._heights] = heights
+        self._publish()
+
+    def start(self) -> None:
+        """Say what the model leaves out, and prepare the slide before time matters."""
+        self.info(NOT_MODELLED)
+        self._model.prepare()
+
+    def _find_places(self, count: int) -> None:
+        self._inputs = self.slice_of(*names.motion_names(count))
+        self._applied = self.slice_of(*names.rail_head_names("vertical_force", count))
+        self._contact = self.slice_of(*names.contact_names(count))
+        self._wheels = {
+            name: self.slice_of(*names.wheel_names(name, count)) for name in names.WHEEL
+        }
+        self._heights = self.slice_of(
+            *(f"wheelset[{i}].static_vertical_displacement" for i in range(1, count + 1))
+        )
+        self._window = self.indices(["window.start_position", "window.slide_residual"])
+
+    def _motion(self) -> np.ndarray:
+        """Return the inputs as a motion array, shape (wheelsets, 11).
+
+        Positions that nobody has set are those of the article's vehicle.
+        """
+        motion = self.reals[self._inputs].reshape(-1, len(MOTION)).copy()
+        if not np.any(motion[:, 0]):
+            motion[:, 0] = self._model.default_positions()
+            self.reals[self._inputs] = motion.ravel()
+        return motion
+
+    def step(self, time: float, step_size: float) -> None:
+        """Advance the model and write the outputs."""
+        applied = None
+        if self._model.parameters.interface == "applied_force":
+            applied = self.reals[self._applied].reshape(-1, 2)
+        try:
+            self._state, _ = self._model.step(
+                self._state,
+                self.reals[self._inputs].reshape(-1, len(MOTION)),
+                step_size,
+                at_end=self._at_end,
+                applied_force=applied,
+            )
+        except TrackError as error:
+            raise StepError(str(error)) from error
+        self._publish()
+
+    def _publish(self) -> None:
+        state, wheels = self._state, self._wheels
+        outputs = self._model.outputs(state)
+        self.reals[self._contact] = outputs.contact.ravel()
+        self.reals[wheels["normal_force"]] = outputs.normal_force.ravel()
+        self.reals[wheels["penetration"]] = outputs.penetration.ravel()
+        self.reals[wheels["rail_vertical_displacement"]] = outputs.rail_deflection.ravel()
+        self.reals[self._window] = state.window_start, state.slide_residual
+        self.values["window.slide_count"] = state.slide_count
+
+    def save(self) -> dict[str, Any]:
+        """Return the state of the track, flat."""
+        flat: dict[str, Any] = {}
+        for name, value in self._state._asdict().items():
+            if isinstance(value, FieldState | MotionHistory):
+                flat |= {f"{name}.{part}": item for part, item in value._asdict().items()}
+            else:
+                flat[name] = value
+        return flat
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Take back what :meth:`save` returned."""
+        kinds = {
+            "symmetric": FieldState,
+            "antisymmetric": FieldState,
+            "history": MotionHistory,
+        }
+        values: dict[str, Any] = {k: v for k, v in state.items() if "." not in k}
+        for name, kind in kinds.items():
+            values[name] = kind(**{part: state[f"{name}.{part}"] for part in kind._fields})
+        values["slide_count"] = int(values["slide_count"])
+        self._state = TrackState(**values)
