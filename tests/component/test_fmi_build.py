@@ -13,7 +13,6 @@ import pytest
 from fmi_builds import PACKAGES, SUPPORT, mass_spring_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
-
 from rail_fmi import BuildError
 from rail_fmi.builder import build_fmu
 
@@ -96,6 +95,7 @@ def test_other_sources_give_another_guid(tmp_path):
 def test_contents():
     with zipfile.ZipFile(mass_spring_fmu()) as archive:
         names = archive.namelist()
+        assert {entry.date_time for entry in archive.infolist()} == {(1980, 1, 1, 0, 0, 0)}
     assert names == sorted(names)
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
     assert "binaries/linux64/MassSpring.so" in names

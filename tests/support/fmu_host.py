@@ -10,7 +10,6 @@ from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 from fmpy.logging import addLoggerProxy
 
-
 _log: dict[str, list[tuple[int, str]]] = {}
 
 

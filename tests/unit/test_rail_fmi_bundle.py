@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-
 from rail_fmi import bundle
 
 USE = (
@@ -20,7 +19,7 @@ USE = (
 
 @pytest.fixture
 def resources(tmp_path):
-    """An FMU's resources with a small package."""
+    """Make an FMU's resources with a small package."""
     pack = tmp_path / "resources" / "tiny_pack"
     pack.mkdir(parents=True)
     (pack / "__init__.py").write_text('"""Tiny."""\n')

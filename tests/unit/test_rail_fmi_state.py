@@ -6,7 +6,6 @@ import struct
 
 import numpy as np
 import pytest
-
 from rail_fmi import StateError
 from rail_fmi.state import FmuState, copied, from_bytes, to_bytes
 
@@ -78,7 +77,12 @@ def test_another_format_version_is_refused_by_number():
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [(b'"<f8"', b'"|O8"'), (b'"array"', b'"pickl"'), (b"[3, 4]", b"[9, 9]"), (b'"mode"', b'"mood"')],
+    [
+        (b'"<f8"', b'"|O8"'),
+        (b'"array"', b'"pickl"'),
+        (b"[3, 4]", b"[9, 9]"),
+        (b'"mode"', b'"mood"'),
+    ],
 )
 def test_consistently_forged_contents_are_refused(old, new):
     body = to_bytes(STATE)[:-32]

@@ -5,8 +5,6 @@ import subprocess
 import sys
 
 import pytest
-from rail_quantities import ParameterError, ParameterSet, quantity
-
 from rail_fmi import (
     TableError,
     Variable,
@@ -15,6 +13,7 @@ from rail_fmi import (
     parameter_variables,
 )
 from rail_fmi.units import base_exponents
+from rail_quantities import ParameterError, ParameterSet, quantity
 
 
 @pytest.mark.parametrize(
@@ -155,7 +154,9 @@ def test_parameter_variables_follow_the_parameter_set():
 def test_documentation_table():
     lines = documentation_table(parameter_variables(Track())).splitlines()
     assert len(lines) == 2 + 5
-    assert lines[2] == "| `rail.area` | parameter | real | m2 | 0.0077 | at least 0 | Cross section |"
+    assert (
+        lines[2] == "| `rail.area` | parameter | real | m2 | 0.0077 | at least 0 | Cross section |"
+    )
     assert "one of sine, fourier" in lines[4]
 
 

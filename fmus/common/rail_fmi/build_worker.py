@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from typing import Any
 
 from pythonfmu.builder import FmuBuilder, get_model_class
 
@@ -20,7 +21,7 @@ def main(stage: Path, entry: str, out: Path) -> None:
     """
     sys.path.insert(0, str(stage))
     script = stage / f"{entry}.py"
-    model = get_model_class(script)  # loads the packages of the stage
+    model: Any = get_model_class(script)  # loads the packages of the stage
 
     from rail_fmi.documentation import documentation_page, documentation_table
     from rail_fmi.presets import parameter_file

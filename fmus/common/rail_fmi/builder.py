@@ -151,7 +151,9 @@ def _source_date(paths: list[Path]) -> str:
         seconds = int(chosen)
     else:
         files = [
-            file for path in paths for file in (bundle.source_files(path) if path.is_dir() else [path])
+            file
+            for path in paths
+            for file in (bundle.source_files(path) if path.is_dir() else [path])
         ]
         seconds = int(max(file.stat().st_mtime for file in files))
     moment = datetime.datetime.fromtimestamp(seconds, datetime.UTC)

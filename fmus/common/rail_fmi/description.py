@@ -150,7 +150,7 @@ def _add_variable(parent: Element, variable: Variable, reference: int) -> None:
 
 
 def _add_structure(root: Element, table: VariableTable) -> None:
-    """Outputs, and as initial unknowns all calculated outputs and parameters."""
+    """Add the outputs, and as initial unknowns all calculated outputs and parameters."""
     structure = SubElement(root, "ModelStructure")
     for tag, causalities in (
         ("Outputs", ("output",)),

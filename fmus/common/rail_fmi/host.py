@@ -23,7 +23,7 @@ def printable(message: str) -> str:
 
 
 def encodable(text: str) -> str:
-    """Return ``text`` with what UTF-8 cannot express written as ``\\udc..``."""
+    r"""Return ``text`` with what UTF-8 cannot express written as ``\udc..``."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 

@@ -2,22 +2,18 @@
 
 import dataclasses
 import math
-import sys
 import threading
-import traceback
 import weakref
-from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from pythonfmu import Fmi2Slave
-from pythonfmu.enums import Fmi2Status
-from rail_quantities import ParameterError
 
 from rail_fmi import host, state
 from rail_fmi.description import ModelInformation, model_description
 from rail_fmi.errors import RailFmiError, StateError, StepError
+from rail_fmi.guard import GuardedSlave
 from rail_fmi.identity import Identity, read_identity
 from rail_fmi.storage import ValueView, VariableStore, contiguous_or_array
 from rail_fmi.variables import Variable, VariableTable
@@ -28,7 +24,6 @@ STATUS_MESSAGE = Variable(
     description="Why the run stopped; empty while all is well. Readable without logging.",
 )
 
-_EXPECTED = (RailFmiError, ParameterError)
 _INSTANTIATED, _INITIALIZING, _RUNNING, _TERMINATED = (
     "instantiated",
     "initialization",
@@ -37,7 +32,7 @@ _INSTANTIATED, _INITIALIZING, _RUNNING, _TERMINATED = (
 )
 
 
-class RailSlave(Fmi2Slave):
+class RailSlave(GuardedSlave):
     """Base of the slaves: variables, checks, state and errors; no physics.
 
     Subclasses set :attr:`MODEL_NAME`, may set :attr:`PRESETS` and pythonfmu's
@@ -45,8 +40,7 @@ class RailSlave(Fmi2Slave):
     ``default_experiment``, and write the hooks :meth:`declare`,
     :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`save` and
     :meth:`restore`. A hook may raise anything: the error is logged with its
-    text, held, and every step from then on is refused. The host never sees an
-    exception, which pythonfmu would turn into ``fmi2Fatal`` and a double free.
+    text, held, and every step from then on is refused.
 
     Attributes
     ----------
@@ -66,12 +60,9 @@ class RailSlave(Fmi2Slave):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.modelName = getattr(type(self), "MODEL_NAME", type(self).__name__)
-        self._early_log: list[Any] | None = []
-        self._thread = 0
         self._mode = _INSTANTIATED
         self._stale = False
         self._suspect = False
-        self._run_error = self._setup_error = self._last_logged = ""
         self.time = 0.0
         self._built_from: dict[str, Any] | None = None
         # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending, and
@@ -147,73 +138,9 @@ class RailSlave(Fmi2Slave):
             raise KeyError(f"{names[0]} ... {names[-1]} were not declared one after the other")
         return place
 
-    def info(self, text: str) -> None:
-        """Log a message for the user."""
-        self.log(text)
-
-    def warn(self, text: str) -> None:
-        """Log a warning."""
-        self.log(text, Fmi2Status.warning)
-
-    def log(
-        self,
-        msg: str,
-        status: Fmi2Status = Fmi2Status.ok,
-        category: str | None = None,
-        debug: Any = None,
-    ) -> None:
-        """Log a message; any text is safe."""
-        super().log(host.printable(str(msg)), status, category)
-        if self._early_log is not None:
-            # A message left in the queue when the instance is freed crashes: it
-            # goes there when a call has begun, which empties the queue at its end.
-            self._early_log.append(self.log_queue.pop())
-
-    # Guard
-
-    def _enter(self) -> None:
-        """Begin an FMI call on a thread that was not there before."""
-        self._thread = threading.get_ident()
-        host.keep_thread_state()
-        if self._early_log is not None:
-            self.log_queue.extend(self._early_log)
-            self._early_log = None
-            host.settle_library(self.resources or "", self.modelName or "")
-            if self.resources in sys.path:  # put there by pythonfmu, at every instantiation
-                sys.path.remove(self.resources)
-
-    def _hold(self, error: BaseException, *, setup: bool = False) -> None:
-        text = str(error) if isinstance(error, _EXPECTED) else f"{type(error).__name__}: {error}"
-        text = host.encodable(f"{self.modelName} ({self.instance_name}): {text}")
-        if setup:
-            self._setup_error = text
-        elif not self._run_error:
-            self._run_error = text
-        if text != self._last_logged:
-            self._last_logged = text
-            details = "" if isinstance(error, _EXPECTED) else "".join(
-                ["\n", *traceback.format_exception(error)]
-            )
-            self.log(text + details.rstrip(), Fmi2Status.error)
-        self._publish_status()
-
     def _publish_status(self) -> None:
         if hasattr(self, "_store"):
             self.values[STATUS_MESSAGE.name] = self._run_error or self._setup_error
-
-    def _guarded(self, work: Callable[[], Any], default: Any = None) -> Any:
-        try:
-            if threading.get_ident() != self._thread:
-                self._enter()
-            return work()
-        except BaseException as error:  # the host must not see an exception
-            self._hold(error)
-            return default
-
-    @property
-    def held_error(self) -> str:
-        """Why steps are refused; empty while all is well."""
-        return self._run_error or self._setup_error
 
     # Initialisation
 
@@ -501,4 +428,3 @@ def _part(values: Mapping[str, Any], prefix: str) -> dict[str, Any]:
         for name, value in values.items()
         if name.startswith(prefix)
     }
-

@@ -1,8 +1,8 @@
-"""The complete state of a slave, in memory and as bytes.
+r"""The complete state of a slave, in memory and as bytes.
 
 Layout of the bytes (little-endian)::
 
-    8   magic  b"RAILFMU\\0"
+    8   magic  b"RAILFMU\0"
     4   format version
     4   number of variables of all kinds
     32  model hash: sources, table of variables and model name (SHA-256)

@@ -70,7 +70,7 @@ def quantity_name(unit: str) -> str:
 @cache
 def _exponents(unit: str) -> tuple[tuple[str, int], ...]:
     head, slash, tail = unit.partition("/")
-    total = dict.fromkeys(BASE_UNITS, 0)
+    total: dict[str, int] = dict.fromkeys(BASE_UNITS, 0)
     if tail.startswith("(") and tail.endswith(")"):
         tail = tail[1:-1]
     elif "." in tail:

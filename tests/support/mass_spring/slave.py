@@ -3,12 +3,11 @@
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from rail_quantities import ParameterError, ParameterSet, quantity, with_values
-
 from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_quantities import ParameterError, ParameterSet, quantity, with_values
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -32,11 +31,14 @@ class MassSpringSlave(RailSlave):
     """One mass, m z'' + c z' + f(z) = F + m g."""
 
     MODEL_NAME = "MassSpring"
-    PRESETS = {"heavy": {"mass": 500.0, "spring.law": "cubic", "spring.hertz_constant": 2.0e-7}}
+    PRESETS: ClassVar = {
+        "heavy": {"mass": 500.0, "spring.law": "cubic", "spring.hertz_constant": 2.0e-7}
+    }
     description = "A mass on a spring, for the tests of rail_fmi."
     version = "1.0"
 
     def declare(self) -> Sequence[Variable]:
+        self.info("declared 100 %")
         self.history = np.zeros(0)
         return [
             Variable("force", causality="input", unit="N", nominal=1.0e3, description="Force"),

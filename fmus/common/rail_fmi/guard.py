@@ -1,0 +1,96 @@
+"""What stands between a slave and its host: log, held errors, and no exception."""
+
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from typing import Any
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+from rail_quantities import ParameterError
+
+from rail_fmi import host
+from rail_fmi.errors import RailFmiError
+
+_EXPECTED = (RailFmiError, ParameterError)
+
+
+class GuardedSlave(Fmi2Slave):
+    """A slave whose errors are logged and held, and never reach the host as exceptions.
+
+    pythonfmu turns an exception into ``fmi2Fatal`` and frees the instance twice.
+    """
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self._early_log: list[Any] | None = []
+        self._thread = 0
+        self._run_error = self._setup_error = self._last_logged = ""
+
+    @property
+    def held_error(self) -> str:
+        """Why steps are refused; empty while all is well."""
+        return self._run_error or self._setup_error
+
+    def _publish_status(self) -> None:
+        """Make :attr:`held_error` known to the host."""
+
+    def info(self, text: str) -> None:
+        """Log a message for the user."""
+        self.log(text)
+
+    def warn(self, text: str) -> None:
+        """Log a warning."""
+        self.log(text, Fmi2Status.warning)
+
+    def log(
+        self,
+        msg: str,
+        status: Fmi2Status = Fmi2Status.ok,
+        category: str | None = None,
+        debug: Any = None,
+    ) -> None:
+        """Log a message; any text is safe."""
+        super().log(host.printable(str(msg)), status, category)
+        if self._early_log is not None:
+            # A message left in the queue when the instance is freed crashes: it
+            # goes there when a call has begun, which empties the queue at its end.
+            self._early_log.append(self.log_queue.pop())
+
+    def _enter(self) -> None:
+        """Begin an FMI call on a thread that was not there before."""
+        self._thread = threading.get_ident()
+        host.keep_thread_state()
+        if self._early_log is not None:
+            self.log_queue.extend(self._early_log)
+            self._early_log = None
+            host.settle_library(self.resources or "", self.modelName or "")
+            if self.resources in sys.path:  # put there by pythonfmu, at every instantiation
+                sys.path.remove(self.resources)
+
+    def _hold(self, error: BaseException, *, setup: bool = False) -> None:
+        text = str(error) if isinstance(error, _EXPECTED) else f"{type(error).__name__}: {error}"
+        text = host.encodable(f"{self.modelName} ({self.instance_name}): {text}")
+        if setup:
+            self._setup_error = text
+        elif not self._run_error:
+            self._run_error = text
+        if text != self._last_logged:
+            self._last_logged = text
+            details = (
+                ""
+                if isinstance(error, _EXPECTED)
+                else "".join(["\n", *traceback.format_exception(error)])
+            )
+            self.log(text + details.rstrip(), Fmi2Status.error)
+        self._publish_status()
+
+    def _guarded(self, work: Callable[[], Any], default: Any = None) -> Any:
+        try:
+            if threading.get_ident() != self._thread:
+                self._enter()
+            return work()
+        except BaseException as error:  # the host must not see an exception
+            self._hold(error)
+            return default
