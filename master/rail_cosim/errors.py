@@ -35,7 +35,8 @@ class ParameterError(RailCosimError):
 
     def __init__(self, name: str, value: object, limit: str, remedy: str = "") -> None:
         self.name, self.value, self.limit, self.remedy = name, value, limit, remedy
-        super().__init__(f"{name} = {value!r}: {limit}" + (f"; {remedy}" if remedy else ""))
+        shown = value if isinstance(value, str) and _is_number(value) else repr(value)
+        super().__init__(f"{name} = {shown}: {limit}" + (f"; {remedy}" if remedy else ""))
 
 
 class UnknownNameError(ParameterError):
@@ -123,6 +124,14 @@ class RunInterrupted(RunError):  # noqa: N818 - it is no error, the user asked f
     """The user stopped the run; what it recorded is in ``dataset``."""
 
     exit_status = 130
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def nearest(name: str, names: Iterable[str], count: int = 2) -> list[str]:

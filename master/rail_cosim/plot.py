@@ -15,9 +15,10 @@ from rail_cosim.summary import Summary, spectrum
 
 # Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
-_WIDTH, _HEIGHT, _DPI = 7.2, 7.6, 200
+_WIDTH, _HEIGHT, _DPI = 8.4, 8.4, 200
 FORMATS = (".png", ".pdf", ".svg")
 _HIGHEST = 500.0
+_BOX = "axle_box_vertical_acceleration"
 
 
 def check_format(path: Path) -> None:
@@ -33,57 +34,65 @@ def check_format(path: Path) -> None:
 
 
 def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
-    """Draw a run to a file.
+    """Draw a run to a file: the whole way, the last few metres, the spectrum.
 
     Parameters
     ----------
     dataset
         The run.
     summary
-        Its figures: the evaluated range is marked.
+        Its figures: the evaluated range is shaded.
     path
         The picture; its ending says the format (png, pdf, svg).
     """
     check_format(path)
     figure = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
     FigureCanvasAgg(figure)
-    force_axes, acceleration_axes, spectrum_axes = figure.subplots(3, 1)
-    side = _plotted_side(dataset)
-    force, acceleration = "normal_force", "axle_box_vertical_acceleration"
-    _over_distance(force_axes, dataset, force, 1e-3, summary)
-    force_axes.set_ylabel("wheel force (kN)")
-    force_axes.set_title(_title(dataset, side), loc="left", fontsize="medium")
-    _over_distance(acceleration_axes, dataset, acceleration, 1.0, summary)
-    acceleration_axes.set_ylabel("axle-box acceleration (m/s²)")
-    acceleration_axes.set_xlabel("distance of the leading wheelset (m)")
-    _spectrum(spectrum_axes, dataset, acceleration, summary)
-    handles, labels = force_axes.get_legend_handles_labels()
-    if handles:
-        figure.legend(
-            handles, labels, loc="outside lower center", ncols=len(handles), frameon=False
-        )
+    axes = figure.subplot_mosaic(
+        [["force", "force_end"], ["box", "box_end"], ["spectrum", "spectrum"]],
+        width_ratios=[1.7, 1.0],
+    )
+    for key, name, factor, label in (
+        ("force", "normal_force", 1e-3, "wheel force (kN)"),
+        ("box", _BOX, 1.0, "axle-box acceleration (m/s²)"),
+    ):
+        whole, end = axes[key], axes[f"{key}_end"]
+        whole.axvspan(summary.range.start, summary.range.stop, color="0.94", lw=0, zorder=0)
+        for ax in (whole, end):
+            _over_distance(ax, dataset, name, factor)
+        end.set_xlim(*_end(dataset, summary))
+        end.sharey(whole)
+        end.tick_params(labelleft=False)
+        whole.set_ylabel(label)
+    axes["force"].set_title(_title(dataset), loc="left", fontsize="medium")
+    last = f"last {summary.range.of} length" if summary.range.periods else "end"
+    axes["force_end"].set_title(last, loc="left", fontsize="medium")
+    for key in ("box", "box_end"):
+        axes[key].set_xlabel("distance of the leading wheelset (m)" if key == "box" else "(m)")
+    _spectrum(axes["spectrum"], dataset, summary)
+    _legend(figure, axes["force"])
     figure.savefig(path, dpi=_DPI)
 
 
-def _plotted_side(dataset: xr.Dataset) -> str:
-    return str(dataset["side"].to_numpy()[0]) if "side" in dataset.coords else ""
+def _end(dataset: xr.Dataset, summary: Summary) -> tuple[float, float]:
+    """Return the last whole period of the evaluated range, or its last tenth."""
+    start, stop = summary.range.start, summary.range.stop
+    return stop - (stop - start) / (summary.range.periods or 10), stop
 
 
-def _title(dataset: xr.Dataset, side: str) -> str:
+def _title(dataset: xr.Dataset) -> str:
     about = dataset.attrs
     words = [f"line {about['line']}"] if about.get("line") else []
     if "speed_km_h" in about:
-        words.append(f"{about['speed_km_h']:g} km/h")
-    words.append(f"{side} wheels" if side else "wheels")
+        words.append(f"{about['speed_km_h']:.4g} km/h")
+    if "side" in dataset.coords:
+        words.append(f"{dataset['side'].to_numpy()[0]} wheels")
     if not about.get("complete", 1):
         words.append("incomplete run")
     return ", ".join(words)
 
 
-def _over_distance(
-    axes: Axes, dataset: xr.Dataset, name: str, factor: float, summary: Summary
-) -> None:
-    axes.axvspan(summary.range.start, summary.range.stop, color="0.94", lw=0, zorder=0)
+def _over_distance(axes: Axes, dataset: xr.Dataset, name: str, factor: float) -> None:
     if name in dataset:
         values = dataset[name].isel(side=0)
         for i in range(values.sizes["wheelset"]):
@@ -91,24 +100,37 @@ def _over_distance(
                 dataset["distance"],
                 values.isel(wheelset=i) * factor,
                 color=_COLOURS[i % len(_COLOURS)],
-                lw=0.7,
+                lw=0.8,
                 label=f"wheelset {i + 1}",
             )
     axes.set_xlim(float(dataset["distance"][0]), float(dataset["distance"][-1]))
     axes.grid(visible=True, lw=0.3, color="0.8")
 
 
-def _spectrum(axes: Axes, dataset: xr.Dataset, name: str, summary: Summary) -> None:
+def _legend(figure: Figure, axes: Axes) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    if handles:
+        place = "outside lower center"
+        legend = figure.legend(handles, labels, loc=place, ncols=len(handles), frameon=False)
+        for line in legend.get_lines():
+            line.set_linewidth(2.0)
+
+
+def _spectrum(axes: Axes, dataset: xr.Dataset, summary: Summary) -> None:
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("amplitude (m/s²)")
-    if name in dataset:
+    axes.set_title("axle-box acceleration, shaded range", loc="left", fontsize="medium")
+    if _BOX in dataset:
         part = dataset.isel(time=summary.range.rows)
-        frequencies, lines = spectrum(part["time"].to_numpy(), part[name].isel(side=0).to_numpy())
+        frequencies, lines = spectrum(part["time"].to_numpy(), part[_BOX].isel(side=0).to_numpy())
         for i in range(lines.shape[1]):
             axes.plot(frequencies, lines[:, i], color=_COLOURS[i % len(_COLOURS)], lw=0.9)
         axes.set_xlim(0.0, min(_HIGHEST, float(frequencies[-1])))
     axes.set_ylim(bottom=0.0)
-    marks = ((summary.sleeper_frequency, "sleeper passing"), (summary.slab_frequency, "slab"))
+    marks = (
+        (summary.sleeper_frequency, "sleeper passing"),
+        (summary.slab_frequency, "slab passing"),
+    )
     for frequency, word in marks:
         if not math.isnan(frequency):
             axes.axvline(frequency, color="0.5", lw=0.8, ls="--", zorder=0)
@@ -116,7 +138,7 @@ def _spectrum(axes: Axes, dataset: xr.Dataset, name: str, summary: Summary) -> N
                 word,
                 (frequency, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(3, -3),
+                xytext=(3, -4),
                 textcoords="offset points",
                 rotation=90,
                 va="top",

@@ -172,17 +172,21 @@ def amplitudes(distance: Array, values: Array, lengths: list[float]) -> tuple[Ar
     Returns
     -------
     tuple of ndarray
-        For each of two wavelengths shape (wheelset, side); NaN where not given.
+        For each of two wavelengths shape (wheelset, side); NaN where the wavelength or the
+        signal is not given.
     """
     nothing = np.full(values.shape[1:], np.nan)
-    if not lengths or not np.isfinite(values).all() or len(distance) < 2 * len(lengths) + 1:
+    if not lengths or len(distance) < 2 * len(lengths) + 1:
         return nothing, nothing
     columns = [np.ones_like(distance)]
     for length in lengths:
         angle = 2.0 * np.pi * distance / length
         columns += [np.cos(angle), np.sin(angle)]
     flat = values.reshape(len(values), -1)
-    solution = np.linalg.lstsq(np.stack(columns, axis=1), flat, rcond=None)[0]
+    there = np.isfinite(flat).all(axis=0)
+    solution = np.full((len(columns), flat.shape[1]), np.nan)
+    basis = np.stack(columns, axis=1)
+    solution[:, there] = np.linalg.lstsq(basis, flat[:, there], rcond=None)[0]
     found = [
         np.hypot(solution[1 + 2 * i], solution[2 + 2 * i]).reshape(values.shape[1:])
         for i in range(len(lengths))
@@ -221,10 +225,12 @@ def dominant_frequency(time: Array, values: Array) -> float:
     The peak is refined by a parabola through the logarithms of its three
     lines. NaN if there are too few values or no signal.
     """
-    if len(time) < 8 or not np.isfinite(values).all():
+    flat = values.reshape(len(values), -1)
+    there = np.isfinite(flat).all(axis=0)
+    if len(time) < 8 or not there.any():
         return math.nan
-    frequencies, lines = spectrum(time, values)
-    power = (lines**2).reshape(len(lines), -1).mean(axis=1)
+    frequencies, lines = spectrum(time, flat[:, there])
+    power = (lines**2).mean(axis=1)
     power[:2] = 0.0  # the window's leakage of the mean
     peak = int(np.argmax(power))
     if power[peak] <= 0.0 or peak in (2, len(power) - 1):

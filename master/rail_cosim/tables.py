@@ -19,18 +19,19 @@ def _number(value: float, factor: float = 1.0, digits: int = 2) -> str:
 
 def wheel_table(summary: Summary) -> Table:
     """Return the table of wheels: one row per wheelset and side."""
-    table = Table(title=f"Evaluated: {summary.range.text}", title_justify="left", title_style="")
-    table.add_column("wheel")
+    title = f"Evaluated: {summary.range.text}"
+    table = Table(title=title, title_justify="left", title_style="")
+    table.add_column("wheel", no_wrap=True)
     heads = (
         "mean\nkN",
         "min\nkN",
         "max\nkN",
-        f"at sleeper passing\n{_number(summary.sleeper_frequency, digits=1)} Hz, kN",
-        f"at slab passing\n{_number(summary.slab_frequency, digits=1)} Hz, kN",
-        "axle box, largest\nm/s²",
+        f"at sleepers\n{_number(summary.sleeper_frequency, digits=1)} Hz, kN",
+        f"at slabs\n{_number(summary.slab_frequency, digits=1)} Hz, kN",
+        "box max\nm/s²",
     )
     for head in heads:
-        table.add_column(head, justify="right")
+        table.add_column(head, justify="right", no_wrap=True)
     columns = (
         (summary.force_mean, 1e-3, 3),
         (summary.force_min, 1e-3, 3),
@@ -67,19 +68,20 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
     facts.add_column()
     facts.add_column()
     dominant = _number(summary.dominant_frequency, digits=1)
-    facts.add_row("dominant frequency, axle boxes", f"{dominant} Hz")
+    facts.add_row("dominant frequency", f"{dominant} Hz in the axle-box accelerations")
     simulated, wall = about["simulated_seconds"], about["wall_clock_seconds"]
     facts.add_row(
         "real-time factor",
-        f"{about['real_time_factor']:.2f} ({simulated:.3f} s simulated in {wall:.3f} s, "
-        f"{about['cpu_seconds']:.3f} s of processor time)",
+        f"{about['real_time_factor']:.2f}: {simulated:.3f} s in {wall:.3f} s "
+        f"(processor {about['cpu_seconds']:.3f} s)",
     )
     facts.add_row(
-        "energy added by the coupling",
-        f"{about['interface_energy_defect']:.3g} J ({about['interface_energy_share']:.2g} of the "
-        "energy exchanged)",
+        "energy defect",
+        f"{about['interface_energy_defect']:.3g} J net at the interface, "
+        f"{about['interface_energy_share']:.2g} of the energy exchanged",
     )
     parts: list[Table | Text] = [wheel_table(summary), facts]
     if not about["complete"]:
-        parts.append(Text(f"incomplete: {about['ended_by']}", style="bold red"))
+        steps = f"incomplete run: {about['steps']} of {about['steps_planned']} steps"
+        parts.append(Text(steps, style="bold red"))
     return Group(*parts)

@@ -111,13 +111,20 @@ Z, V, F = (
 )
 
 
-def propagate(a, b, state, start, end, step):
-    """Integrate x' = a x + b u exactly for u linear from start to end."""
-    n, m = b.shape
-    big = np.zeros((n + 2 * m, n + 2 * m))
-    big[:n, :n], big[:n, n : n + m] = a, b
-    big[n : n + m, n + m :] = np.eye(m)
-    return (expm(big * step) @ np.concatenate([state, start, (end - start) / step]))[:n]
+class Propagator:
+    """Integrates x' = a x + b u exactly for u linear over a step."""
+
+    def __init__(self, a, b):
+        self.n, m = b.shape
+        self.big = np.zeros((self.n + 2 * m, self.n + 2 * m))
+        self.big[: self.n, : self.n], self.big[: self.n, self.n : self.n + m] = a, b
+        self.big[self.n : self.n + m, self.n + m :] = np.eye(m)
+        self.matrices = {}
+
+    def __call__(self, state, start, end, step):
+        if step not in self.matrices:
+            self.matrices[step] = expm(self.big * step)[: self.n]
+        return self.matrices[step] @ np.array([*state, start, (end - start) / step])
 
 
 class MockVehicle(MockSlave):
@@ -125,6 +132,7 @@ class MockVehicle(MockSlave):
 
     A = np.array([[0.0, 1.0], [-STIFFNESS / MASS, -DAMPING / MASS]])
     B = np.array([[0.0], [1.0 / MASS]])
+    propagate = Propagator(A, B)
 
     def __init__(self, *, timed=True, extra=(), **more):
         variables = [
@@ -160,8 +168,7 @@ class MockVehicle(MockSlave):
         }[timing]
         self.memory["force"] = now
         state = np.array([self.data[Z], self.data[V]])
-        u = np.array([start]), np.array([end])
-        state = propagate(self.A, self.B, state, *u, step_size)
+        state = self.propagate(state, start, end, step_size)
         acceleration = float(self.A[1] @ state + end / MASS)
         self.data[Z], self.data[V] = map(float, state)
         self.data["axle_box[1].left.vertical_acceleration"] = acceleration
@@ -182,6 +189,7 @@ class MockTrack(MockSlave):
 
     A = np.array([[0.0, 1.0], [-(RAIL_STIFFNESS + CONTACT) / RAIL_MASS, -RAIL_DAMPING / RAIL_MASS]])
     B = np.array([[0.0], [CONTACT / RAIL_MASS]])
+    propagate = Propagator(A, B)
 
     def __init__(self, *, timed=True, extra=(), **more):
         variables = [
@@ -235,8 +243,7 @@ class MockTrack(MockSlave):
             "hold": (wheel, wheel),
         }[timing]
         self.memory["wheel"] = wheel
-        u = np.array([start]), np.array([end])
-        self.memory["rail"] = propagate(self.A, self.B, self.memory["rail"], *u, step_size)
+        self.memory["rail"] = self.propagate(self.memory["rail"], start, end, step_size)
         self._publish(end)
 
 

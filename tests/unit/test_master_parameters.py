@@ -59,7 +59,7 @@ def test_values_get_the_type_of_their_variable(name, value, expected):
         (
             "fastener.vertical_stiffness",
             "-1e6",
-            r"track\.fastener\.vertical_stiffness = '-1e6': must be at least 0 N/m; "
+            r"track\.fastener\.vertical_stiffness = -1e6: must be at least 0 N/m; "
             "meaning: stiffness of one fastener",
         ),
         ("slab.poisson_ratio", 0.6, "= 0.6: must be at least 0 and at most 0.5$"),

@@ -136,7 +136,7 @@ def test_results_that_cannot_be_written_are_saved_elsewhere(tmp_path, monkeypatc
     rescue = tmp_path / "rescue"
     rescue.mkdir()
     monkeypatch.setattr(results.tempfile, "gettempdir", lambda: str(rescue))
-    with pytest.raises(ResultsError, match="could not be written there .* they are in"):
+    with pytest.raises(ResultsError, match=r"could not be written there .* they are in"):
         write_netcdf(recorded(), tmp_path / "gone" / "run.nc")
     (saved,) = rescue.iterdir()
     with xr.open_dataset(saved, engine="h5netcdf") as read:
@@ -170,6 +170,6 @@ def test_a_missing_library_is_found_before_the_run(tmp_path, monkeypatch):
         raise ImportError("No module named 'h5py'")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", write)
-    with pytest.raises(ResultsError, match="No module named 'h5py'.*install h5netcdf and h5py"):
+    with pytest.raises(ResultsError, match=r"No module named 'h5py'.*install h5netcdf and h5py"):
         check_netcdf(tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == []
