@@ -120,15 +120,18 @@ def _anti_roll_bar(parameters: VehicleParameters, car: Body, bogie: Body) -> Ele
 def _primary(
     parameters: VehicleParameters, frame: Body, box: Body, axle_sign: float
 ) -> list[Element]:
-    """Two coil springs with dampers fore and aft of the axle, and the guide's bush."""
+    """Two coil springs with dampers fore and aft of the axle, and the guide's bush.
+
+    The springs push vertically only, so their height has no lever and does not matter.
+    """
     group = parameters.primary_suspension
     load = (parameters.car_body.mass + 2.0 * parameters.bogie.mass) * parameters.gravity / 8.0
-    x, y, _ = box.position
+    x, y, axle_z = box.position
     springs = [
         Element(
             upper=frame,
             lower=box,
-            point=np.array([x + sign * group.spring_half_spacing, y, -group.spring_height]),
+            point=np.array([x + sign * group.spring_half_spacing, y, axle_z]),
             stiffness=np.array([0.0, 0.0, 0.5 * group.vertical_stiffness]),
             damping=np.array([0.0, 0.0, 0.5 * group.vertical_damping]),
             preload=np.array([0.0, 0.0, -0.5 * load]),

@@ -164,9 +164,6 @@ class PrimarySuspension(ParameterSet):
     half_span: float = _field(
         1.0, "m", "Lateral distance of the axle box from the centre", symbol="b_p", source="Hunting"
     )
-    spring_height: float = _field(
-        0.78, "m", "Height of the springs' middle above the rail", symbol="h_p", source="CRH6"
-    )
     spring_half_spacing: float = _field(
         0.20,
         "m",

@@ -59,7 +59,6 @@ MANCHESTER_1 = VehicleParameters(
         lateral_stiffness=3.884e6,
         lateral_damping=2.0e3,
         half_span=1.0,
-        spring_height=0.46,
         guide_offset=0.0,
     ),
     secondary_suspension=SecondarySuspension(
