@@ -1,0 +1,297 @@
+r"""Contact of a wheelset on two moving rails: geometry, normal forces, creep forces.
+
+Three steps, so that an implicit integrator can put its iteration between them:
+
+1. :func:`locate_wheel` finds the patches of one wheel and their penetrations from the
+   motions of wheelset and rail;
+2. :func:`normal_force` gives Hertz's force and its derivative for a penetration; in an
+   iteration over the relative normal displacement, a relative displacement
+   ``(u_y, u_z)`` of wheel less rail changes the penetration by
+   ``-sin(g) u_y + cos(g) u_z``;
+3. :func:`apply_wheel` computes creepages, FASTSIM and the resultants on wheelset and rail.
+
+:func:`wheel_rail_contact` does all three for all wheels. The left wheel is the right one's
+mirror image: its motion is mirrored, and so are its forces.
+
+The penetration along the normal is the distance of the relative position from the
+first-touch curve ``dz = h(dy)``, which is the envelope of all touching positions:
+the foot of the perpendicular is found by one step along the tangent.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from slab_track.contact.creepage import (
+    RAIL_ROLL,
+    RAIL_Y,
+    RAIL_Z,
+    ROLL,
+    YAW,
+    Y,
+    Z,
+    creepages,
+)
+from slab_track.contact.fastsim import fastsim
+from slab_track.contact.tables import lookup_ellipse, lookup_patch
+
+(
+    PENETRATION,
+    ANGLE,
+    ARM_X,
+    ARM_Y,
+    ARM_Z,
+    RAIL_ARM_Y,
+    RAIL_ARM_Z,
+    STIFFNESS,
+    AXIS_RATIO,
+    AXIS_SCALE,
+    C11,
+    C22,
+    C23,
+) = range(13)
+"""Columns of a located patch: normal penetration (m, negative: apart), contact angle in the
+track frame (rad), position from the wheelset's centre and from the rail's axis (m), ``K`` of
+``N = K d^1.5`` (N/m^1.5), ``a/b``, ``sqrt(a b) / N^(1/3)``, Kalker's coefficients."""
+
+LOCATED = 13
+
+(
+    NORMAL_FORCE,
+    LONGITUDINAL_FORCE,
+    LATERAL_FORCE,
+    SPIN_MOMENT,
+    LONGITUDINAL_CREEPAGE,
+    LATERAL_CREEPAGE,
+    SPIN,
+    SEMI_AXIS_A,
+    SEMI_AXIS_B,
+) = range(9)
+"""Columns of a patch's forces: N, T_x, T_s (N) and moment about the normal (N.m) on the wheel,
+creepages (1) and spin (1/m), semi-axes along and across (m)."""
+
+FORCED = 9
+
+_FAR = -1e-3
+
+
+@njit(cache=True)
+def locate_wheel(tables, side, motion, rail, offset, out):
+    """Find the patches of one wheel.
+
+    Parameters
+    ----------
+    tables
+        :class:`slab_track.contact.tables.ContactTables`.
+    side
+        -1.0 for the left, 1.0 for the right wheel.
+    motion
+        The wheelset's motion row, shape (11,); its height counts from first touch.
+    rail
+        Motion of the rail at its axis: y, z, roll and their rates, shape (6,).
+    offset
+        Lateral and vertical irregularity of the rail (m), shape (2,), track frame.
+    out
+        Receives the patches, shape (2, LOCATED): tread, flange.
+
+    Returns
+    -------
+    True if the relative position is inside the tables.
+    """
+    # Mirrored to the right-hand side.
+    y, roll, yaw = side * motion[Y], side * motion[ROLL], side * motion[YAW]
+    rail_roll = side * rail[RAIL_ROLL]
+    b, radius = tables.half_distance, tables.wheel_radius
+    circle_y = math.cos(yaw) * (b * math.cos(roll) - radius * math.sin(roll))
+    circle_z = b * math.sin(roll) + radius * math.cos(roll)
+    height = motion[Z] + tables.touch_height - radius
+    # The rolling circle's lowest point, from the rail's displaced axis, in the rail's frame.
+    axis_y = tables.axis_y + side * (rail[RAIL_Y] + offset[0])
+    axis_z = tables.axis_z + rail[RAIL_Z] + offset[1]
+    from_y, from_z = y + circle_y - axis_y, height + circle_z - axis_z
+    cosine, sine = math.cos(rail_roll), math.sin(rail_roll)
+    shift = cosine * from_y + sine * from_z + tables.axis_y - b
+    drop = cosine * from_z - sine * from_y + tables.axis_z
+    inside = True
+    description = np.empty(6)
+    for patch in range(2):
+        inside &= _locate_patch(
+            tables, patch, shift, drop, roll - rail_roll, yaw, description, out[patch]
+        )
+        if out[patch, PENETRATION] <= 0.0:
+            continue
+        # From the rail's frame to the track frame, then to the wheelset's centre.
+        in_y = description[2] - tables.axis_y
+        in_z = description[3] - tables.axis_z
+        point_y, point_z = cosine * in_y - sine * in_z, sine * in_y + cosine * in_z
+        arm_y, arm_z = point_y + axis_y - y, point_z + axis_z - height
+        slope = math.tan(out[patch, ANGLE] + rail_roll)
+        out[patch, ANGLE] = side * (out[patch, ANGLE] + rail_roll)
+        out[patch, ARM_X] = -math.tan(yaw) * (arm_z * slope + arm_y)
+        out[patch, ARM_Y], out[patch, ARM_Z] = side * arm_y, arm_z
+        out[patch, RAIL_ARM_Y], out[patch, RAIL_ARM_Z] = side * point_y, point_z
+    return inside
+
+
+@njit(cache=True)
+def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
+    """Penetration, angle and elastic constants of a patch, in the rail's frame (right side)."""
+    out[PENETRATION] = -1.0
+    inside = lookup_patch(tables, patch, shift, roll, 3, description)
+    slope = description[1]
+    depth = drop - description[0] + _yaw_protrusion(tables, shift, description, yaw)
+    if depth < _FAR:
+        out[PENETRATION] = depth / math.sqrt(1.0 + slope * slope)
+        return inside
+    foot = shift + slope * depth / (1.0 + slope * slope)
+    lookup_patch(tables, patch, foot, roll, 6, description)
+    slope = description[1]
+    norm = math.sqrt(1.0 + slope * slope)
+    depth = drop - description[0] + _yaw_protrusion(tables, shift, description, yaw)
+    penetration = (depth - slope * (shift - foot)) / norm
+    out[PENETRATION] = penetration
+    out[ANGLE] = math.atan(slope)
+    if penetration <= 0.0:
+        return inside
+    local = tables.wheel_radius + description[3] - drop
+    curvature_a, curvature_b = 0.5 / (local * norm), description[4]
+    ellipse = np.empty(6)
+    lookup_ellipse(tables, curvature_a, curvature_b, ellipse)
+    mean_radius = 0.5 / math.sqrt(curvature_a * curvature_b)
+    stiffness = tables.stiffness_override
+    if stiffness == 0.0:
+        stiffness = 4.0 / 3.0 * tables.modulus * math.sqrt(mean_radius) * ellipse[2] ** -1.5
+    out[STIFFNESS] = description[5] * stiffness
+    out[AXIS_RATIO] = math.exp(ellipse[0])
+    out[AXIS_SCALE] = (0.75 * mean_radius / tables.modulus) ** (1.0 / 3.0) * ellipse[1]
+    out[C11], out[C22], out[C23] = ellipse[3], ellipse[4], ellipse[5]
+    return inside
+
+
+@njit(cache=True)
+def _yaw_protrusion(tables, shift, description, yaw):
+    """How much lower a yawed wheel reaches at the patch (m), to second order in yaw."""
+    slope = description[1]
+    own = description[2] - tables.half_distance - shift
+    return 0.5 * yaw * yaw * slope * (tables.wheel_radius * slope + own)
+
+
+@njit(cache=True)
+def normal_force(stiffness, penetration):
+    """Return Hertz's force (N) and its derivative by the penetration (N/m)."""
+    if penetration <= 0.0:
+        return 0.0, 0.0
+    root = stiffness * math.sqrt(penetration)
+    return root * penetration, 1.5 * root
+
+
+@njit(cache=True)
+def apply_wheel(tables, motion, rail, located, force, wheelset, on_rail, out):
+    """Add the forces of one wheel's patches under given normal forces.
+
+    Parameters
+    ----------
+    tables, motion, rail
+        As for :func:`locate_wheel`.
+    located
+        Its patches, shape (2, LOCATED).
+    force
+        Normal forces of the patches (N), shape (2,).
+    wheelset
+        Force and moment on the wheelset about its centre, track frame, shape (6,): added to.
+    on_rail
+        Lateral and vertical force and roll moment on the rail about its
+        axis, shape (3,): added to.
+    out
+        Receives the patches' forces, shape (2, FORCED).
+    """
+    for patch in range(2):
+        row, normal = located[patch], force[patch]
+        out[patch, :] = 0.0
+        if normal <= 0.0 or row[PENETRATION] <= 0.0:
+            continue
+        xi, eta, phi, direction = creepages(
+            motion,
+            rail,
+            row[ARM_X],
+            row[ARM_Y],
+            row[ARM_Z],
+            row[RAIL_ARM_Y],
+            row[RAIL_ARM_Z],
+            row[ANGLE],
+        )
+        scale = row[AXIS_SCALE] * normal ** (1.0 / 3.0)
+        root = math.sqrt(row[AXIS_RATIO])
+        a, b = scale * root, scale / root
+        # Rolling backwards: the patch turned by half a turn about its normal.
+        t_x, t_s, moment = fastsim(
+            normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus, tables.friction,
+            direction * xi, direction * eta, phi, tables.columns, tables.strips,
+        )  # fmt: skip
+        t_x, t_s = direction * t_x, direction * t_s
+        cosine, sine = math.cos(row[ANGLE]), math.sin(row[ANGLE])
+        f_y = cosine * t_s + sine * normal
+        f_z = sine * t_s - cosine * normal
+        arm_x, arm_y, arm_z = row[ARM_X], row[ARM_Y], row[ARM_Z]
+        wheelset[0] += t_x
+        wheelset[1] += f_y
+        wheelset[2] += f_z
+        wheelset[3] += arm_y * f_z - arm_z * f_y
+        wheelset[4] += arm_z * t_x - arm_x * f_z - sine * moment
+        wheelset[5] += arm_x * f_y - arm_y * t_x + cosine * moment
+        on_rail[0] -= f_y
+        on_rail[1] -= f_z
+        on_rail[2] -= row[RAIL_ARM_Y] * f_z - row[RAIL_ARM_Z] * f_y
+        out[patch, NORMAL_FORCE] = normal
+        out[patch, LONGITUDINAL_FORCE] = t_x
+        out[patch, LATERAL_FORCE] = t_s
+        out[patch, SPIN_MOMENT] = moment
+        out[patch, LONGITUDINAL_CREEPAGE] = xi
+        out[patch, LATERAL_CREEPAGE] = eta
+        out[patch, SPIN] = phi
+        out[patch, SEMI_AXIS_A] = a
+        out[patch, SEMI_AXIS_B] = b
+
+
+@njit(cache=True)
+def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, located, forces):
+    """Contact of all wheels at an instant.
+
+    Parameters
+    ----------
+    tables
+        :class:`slab_track.contact.tables.ContactTables`.
+    motion
+        Wheelset motions, shape (n, 11).
+    rails
+        Motions of the rails' axes at the wheels, shape (n, 2, 6), left first.
+    offsets
+        Irregularities, lateral and vertical (m), shape (n, 2, 2).
+    wheelsets
+        Receives force and moment on each wheelset, shape (n, 6).
+    on_rails
+        Receives force and roll moment on the rails, shape (n, 2, 3).
+    located, forces
+        Receive the patches, shapes (n, 2, 2, LOCATED) and (n, 2, 2, FORCED).
+
+    Returns
+    -------
+    True if all relative positions are inside the tables.
+    """
+    inside = True
+    normal = np.empty(2)
+    for i in range(motion.shape[0]):
+        wheelsets[i, :] = 0.0
+        for k in range(2):
+            on_rails[i, k, :] = 0.0
+            side = -1.0 if k == 0 else 1.0
+            row = located[i, k]
+            inside &= locate_wheel(tables, side, motion[i], rails[i, k], offsets[i, k], row)
+            for patch in range(2):
+                normal[patch], _ = normal_force(row[patch, STIFFNESS], row[patch, PENETRATION])
+            apply_wheel(
+                tables, motion[i], rails[i, k], row, normal, wheelsets[i], on_rails[i, k],
+                forces[i, k],
+            )  # fmt: skip
+    return inside
