@@ -7,6 +7,7 @@ last point it extrapolates with a local error of order H^4.
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
 
 POSITION_COLUMNS = slice(0, 5)
@@ -66,18 +67,35 @@ class MotionHistory(NamedTuple):
 
     def positions(self, times: np.ndarray) -> np.ndarray:
         """Return x, y, z, roll, yaw at ``times``, shape (times, wheelsets, 5)."""
-        now = self.motion[:, POSITION_COLUMNS]
-        rate = np.where(self.rates_seen, self.motion[:, VELOCITY_COLUMNS], 0.0)
-        tau = (times - self.time)[:, None, None]
-        span = self.time - self.previous_time
-        if not span > 0.0:
-            return now + rate * tau
-        before = self.previous[:, POSITION_COLUMNS]
-        rate_before = np.where(self.rates_seen, self.previous[:, VELOCITY_COLUMNS], 0.0)
-        # Cubic now + rate tau + A tau^2 + B tau^3 through the previous point.
-        d0 = (before - now + rate * span) / span**2
-        d1 = (rate - rate_before) / span
-        quadratic, cubic = 3.0 * d0 - d1, (2.0 * d0 - d1) / span
-        hermite = now + tau * (rate + tau * (quadratic + tau * cubic))
-        linear = now + tau * (now - before) / span
-        return np.where(self.rates_seen, hermite, linear)
+        return _positions(
+            times - self.time,
+            self.time - self.previous_time,
+            self.motion,
+            self.previous,
+            self.rates_seen,
+        )
+
+
+@numba.njit(cache=True)
+def _positions(tau, span, motion, previous, rates_seen):
+    """Evaluate the polynomials at the times ``tau`` after the last point."""
+    path = np.empty((tau.size, motion.shape[0], 5))
+    for wheelset in range(motion.shape[0]):
+        for channel in range(5):
+            now, rate = motion[wheelset, channel], motion[wheelset, channel + 5]
+            if not rates_seen[channel]:
+                rate = 0.0
+            quadratic = cubic = 0.0
+            if span > 0.0:
+                before = previous[wheelset, channel]
+                if rates_seen[channel]:
+                    # now + rate tau + A tau^2 + B tau^3 through the previous point.
+                    d0 = (before - now + rate * span) / span**2
+                    d1 = (rate - previous[wheelset, channel + 5]) / span
+                    quadratic, cubic = 3.0 * d0 - d1, (2.0 * d0 - d1) / span
+                else:
+                    rate = (now - before) / span
+            for n in range(tau.size):
+                t = tau[n]
+                path[n, wheelset, channel] = now + t * (rate + t * (quadratic + t * cubic))
+    return path

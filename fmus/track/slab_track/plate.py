@@ -125,7 +125,7 @@ def seat_compliance(
     # The dish under a seat has the size of the layer's characteristic length.
     dish = (bending / foundation) ** 0.25
     nx = int(np.clip(4.0 * length / dish, 24, 90))
-    ny = int(np.clip(4.0 * width / dish, 24, 60))
+    ny = int(np.clip(4.0 * width / dish, 24, 90))
     along = _orthonormal(2.0 * seats / length, nx)
     across = _orthonormal(np.array([2.0 * offset / width]), ny)[:, 0]
     result = [np.zeros((seats.size, seats.size)) for _ in range(2)]

@@ -1,0 +1,103 @@
+"""Parameters of the track refuse nonsense and say what to do."""
+
+import numpy as np
+import pytest
+from rail_quantities import ParameterError, UnknownParameterError, flatten, with_values
+from slab_track import HD, ZX, TrackError, TrackModel, TrackParameters
+from slab_track.motion import MotionHistory
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("fastener.vertical_stiffness", -1.0, r"fastener\.vertical_stiffness = -1\.0.*greater than 0"),
+        ("rail.mode_count", 2, r"rail\.mode_count = 2.*at least 8"),
+        ("rail.mode_count", 100.5, "whole number"),
+        ("slab.poisson_ratio", 0.5, r"slab\.poisson_ratio = 0\.5.*less than 0\.5"),
+        ("slab_support.basis", "per_mile", "must be one of per_bay, per_seat"),
+        ("window.method", "flying", "must be one of sliding"),
+        ("rail.density", float("nan"), "finite number"),
+        ("rail.density", "steel", "finite number"),
+        ("slab.length", 6.0, r"slab\.length = 6\.0.*at most the 5\.032 m"),
+        ("slab.gap", 0.7, r"slab\.gap = 0\.7.*less than the 0\.629 m"),
+        ("slab.width", 1.2, r"slab\.width = 1\.2.*more than the 1\.493 m"),
+        ("window.sample_count", 300, r"window\.sample_count = 300.*more than rail\.mode_count"),
+        ("window.slab_count", 1, "at least 3"),
+        ("rail.residual_compliance", 1, "true or false"),
+    ],
+)
+def test_bad_values_are_refused_by_name(name, value, message):
+    with pytest.raises(ParameterError, match=message):
+        with_values(TrackParameters(), {name: value})
+
+
+def test_misspelt_name_gets_the_nearest_right_one():
+    with pytest.raises(UnknownParameterError, match=r"did you mean fastener\.vertical_stiffness"):
+        with_values(TrackParameters(), {"fastener.verticl_stiffness": 1.0})
+
+
+def test_lines_of_the_article():
+    assert HD.pitch == pytest.approx(5.032)
+    assert HD.slab_length == pytest.approx(4.962)
+    assert HD.window_length == pytest.approx(65.416)
+    assert ZX.pitch == pytest.approx(5.67)
+    assert ZX.slab_length == pytest.approx(5.6)
+
+
+def test_every_parameter_describes_itself():
+    for name, (about, _) in flatten(TrackParameters()).items():
+        assert about.description, name
+
+
+def _motion(x, v=0.0):
+    rows = np.zeros((len(x), 11))
+    rows[:, 0], rows[:, 5] = x, v
+    return rows
+
+
+def test_vehicle_too_long_for_the_window():
+    model = TrackModel(with_values(TrackParameters(), {"window.slab_count": 5}))
+    with pytest.raises(TrackError, match=r"raise window\.slab_count"):
+        model.initial_state(_motion([0.0, -2.5, -17.8, -20.3]))
+
+
+def test_moving_mass_ends_before_the_wheel_leaves_the_window():
+    parameters = with_values(
+        TrackParameters(),
+        {"window.method": "moving_mass", "wheelset_count": 1, "rail.mode_count": 60,
+         "window.slab_count": 8},
+    )
+    model = TrackModel(parameters)
+    state = model.initial_state(_motion([0.0], 80.0))
+    x = 0.0
+    with pytest.raises(TrackError, match=r"within 3 m of the ends.*window\.method = moving_mass"):
+        for _ in range(100):
+            state, _ = model.step(state, _motion([x], 80.0), 1e-2)
+            x += 0.8
+    assert state.slide_count == 0
+    assert x > 8.0
+
+
+def test_motion_must_be_finite():
+    model = TrackModel(with_values(TrackParameters(), {"wheelset_count": 1, "rail.mode_count": 60}))
+    state = model.initial_state(_motion([0.0]))
+    with pytest.raises(TrackError, match="not a finite number"):
+        model.step(state, _motion([np.nan]), 1e-4)
+
+
+def test_history_reproduces_a_cubic_and_falls_back_to_positions():
+    def cubic(t):
+        return np.array([1.0 + 2 * t - 3 * t**2 + 4 * t**3]), np.array([2 - 6 * t + 12 * t**2])
+
+    def row(t, with_rate=True):
+        motion = np.zeros((1, 11))
+        motion[0, 2] = cubic(t)[0][0]
+        motion[0, 7] = cubic(t)[1][0] if with_rate else 0.0
+        return motion
+
+    history = MotionHistory.begin(0.0, row(0.0)).push(0.1, row(0.1))
+    path = history.positions(np.array([0.15, 0.2]))
+    np.testing.assert_allclose(path[:, 0, 2], [cubic(0.15)[0][0], cubic(0.2)[0][0]], rtol=1e-12)
+    bare = MotionHistory.begin(0.0, row(0.0, False)).push(0.1, row(0.1, False))
+    slope = (cubic(0.1)[0][0] - cubic(0.0)[0][0]) / 0.1
+    assert bare.positions(np.array([0.2]))[0, 0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)
