@@ -73,6 +73,6 @@ def test_text_that_is_not_utf8_is_an_error(host):
 
 
 def test_calls_keep_the_thread_state(host):
-    """Refused steps cost the FMI layer only: 4 to 6 us for set, step and get, 30 without."""
-    durations = [float(host(20000, bad_text=True).stdout.split()[-1]) for _ in range(3)]
-    assert min(durations) < 20.0
+    """Making one costs some 10 us, which is paid once and not in every call."""
+    done = host(50)
+    assert done.stderr.count("first step of a thread state") == 1

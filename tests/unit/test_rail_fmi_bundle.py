@@ -67,6 +67,17 @@ def test_import_comes_from_the_cache_and_again(resources, tmp_path):
     assert first.with_name("inner.py").stat().st_mtime_ns == stamp  # numba's cache needs that
 
 
+def test_compiled_code_is_found_again_from_another_extraction(resources, tmp_path):
+    (resources / "tiny_pack" / "inner.py").write_text(
+        "import numba\n\n@numba.njit(cache=True)\ndef twice(x):\n    return 2 * x\n\n"
+        "assert twice(21) == 42\nVALUE = sum(twice.stats.cache_hits.values())\n"
+    )
+    cache = tmp_path / "cache"
+    assert use(resources, cache).stdout.split()[-1] == "0"
+    moved = resources.rename(tmp_path / "another_extraction")
+    assert use(moved, cache).stdout.split()[-1] == "1"
+
+
 def test_damaged_entry_is_written_anew(resources, tmp_path):
     cache = tmp_path / "cache"
     inner = place(use(resources, cache)).with_name("inner.py")

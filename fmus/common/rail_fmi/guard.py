@@ -70,7 +70,7 @@ class GuardedSlave(Fmi2Slave):
                 sys.path.remove(self.resources)
 
     def _hold(self, error: BaseException, *, setup: bool = False) -> None:
-        text = str(error) if isinstance(error, _EXPECTED) else f"{type(error).__name__}: {error}"
+        text = str(error) if isinstance(error, _EXPECTED) else _described(error)
         text = host.encodable(f"{self.modelName} ({self.instance_name}): {text}")
         if setup:
             self._setup_error = text
@@ -78,12 +78,8 @@ class GuardedSlave(Fmi2Slave):
             self._run_error = text
         if text != self._last_logged:
             self._last_logged = text
-            details = (
-                ""
-                if isinstance(error, _EXPECTED)
-                else "".join(["\n", *traceback.format_exception(error)])
-            )
-            self.log(text + details.rstrip(), Fmi2Status.error)
+            details = "" if isinstance(error, _EXPECTED) else _traceback(error)
+            self.log(text + details, Fmi2Status.error)
         self._publish_status()
 
     def _guarded(self, work: Callable[[], Any], default: Any = None) -> Any:
@@ -94,3 +90,14 @@ class GuardedSlave(Fmi2Slave):
         except BaseException as error:  # the host must not see an exception
             self._hold(error)
             return default
+
+
+def _described(error: BaseException) -> str:
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:  # an error whose text cannot be made
+        return type(error).__name__
+
+
+def _traceback(error: BaseException) -> str:
+    return "\n" + "".join(traceback.format_exception(error)).rstrip()

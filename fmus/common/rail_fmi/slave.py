@@ -3,36 +3,20 @@
 import dataclasses
 import math
 import threading
-import weakref
-from collections.abc import Mapping, MutableMapping, Sequence
+from collections.abc import Mapping
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from rail_fmi import host, state
+from rail_fmi import state
 from rail_fmi.description import ModelInformation, model_description
 from rail_fmi.errors import RailFmiError, StateError, StepError
-from rail_fmi.guard import GuardedSlave
 from rail_fmi.identity import Identity, read_identity
-from rail_fmi.storage import ValueView, VariableStore, contiguous_or_array
-from rail_fmi.variables import Variable, VariableTable
-
-STATUS_MESSAGE = Variable(
-    "status.message",
-    kind="string",
-    description="Why the run stopped; empty while all is well. Readable without logging.",
-)
-
-_INSTANTIATED, _INITIALIZING, _RUNNING, _TERMINATED = (
-    "instantiated",
-    "initialization",
-    "running",
-    "terminated",
-)
+from rail_fmi.slave_values import Mode, ValueSlave
 
 
-class RailSlave(GuardedSlave):
+class RailSlave(ValueSlave):
     """Base of the slaves: variables, checks, state and errors; no physics.
 
     Subclasses set :attr:`MODEL_NAME`, may set :attr:`PRESETS` and pythonfmu's
@@ -59,36 +43,12 @@ class RailSlave(GuardedSlave):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.modelName = getattr(type(self), "MODEL_NAME", type(self).__name__)
-        self._mode = _INSTANTIATED
-        self._stale = False
-        self._suspect = False
         self.time = 0.0
-        self._built_from: dict[str, Any] | None = None
-        # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending, and
-        # then Python finds it in the instance only.
-        method = weakref.WeakMethod(self._set_strings)
-        self.set_string = lambda vrs, values: (call := method()) and call(vrs, values)
-        self._make_variables()
+        self._built_from: tuple[Any, ...] | None = None
         self._identity = read_identity(self.resources, self.modelName, self.table.digest)
         self.guid = self._identity.guid
 
-    def _make_variables(self) -> None:
-        try:
-            self.table = VariableTable([*self.declare(), STATUS_MESSAGE])
-        except Exception as error:  # the constructor must not raise in the host
-            self.table = VariableTable([STATUS_MESSAGE])
-            self._hold(error)
-        self._store = VariableStore(self.table)
-        self.reals = self._store.reals
-        self.values: MutableMapping[str, Any] = ValueView(self._store)
-        self.values[STATUS_MESSAGE.name] = self._run_error
-
-    # Hooks of the subclass
-
-    def declare(self) -> Sequence[Variable]:
-        """Return the table of variables; called once, in the constructor."""
-        raise NotImplementedError(f"{type(self).__name__} must declare its variables")
+    # Hooks of the subclass, besides ``declare``
 
     def initialize(self) -> None:
         """Build the model from the parameters and compute the initial outputs.
@@ -112,36 +72,6 @@ class RailSlave(GuardedSlave):
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned; the arrays are the slave's own copies."""
 
-    # What subclasses use
-
-    def parameters(self) -> dict[str, Any]:
-        """Return the values of all parameters by name, in order of declaration."""
-        return {v.name: self.values[v.name] for v in self.table.with_causality("parameter")}
-
-    def indices(self, names: Sequence[str]) -> np.ndarray:
-        """Return the positions of reals in :attr:`reals`, shape (n,), as integers."""
-        for name in names:
-            if self.table[name].kind != "real":
-                raise KeyError(f"{name} is not a real variable")
-        return np.array([self.table.reference(name) for name in names], dtype=np.intp)
-
-    def slice_of(self, *names: str) -> slice:
-        """Return the slice of :attr:`reals` that holds these reals, in this order.
-
-        Raises
-        ------
-        KeyError
-            If they were not declared one after the other.
-        """
-        place = contiguous_or_array(self.indices(names).tolist())
-        if not isinstance(place, slice):
-            raise KeyError(f"{names[0]} ... {names[-1]} were not declared one after the other")
-        return place
-
-    def _publish_status(self) -> None:
-        if hasattr(self, "_store"):
-            self.values[STATUS_MESSAGE.name] = self._run_error or self._setup_error
-
     # Initialisation
 
     def setup_experiment(
@@ -158,7 +88,7 @@ class RailSlave(GuardedSlave):
         """Enter the mode; the model is built at the first need."""
 
         def work() -> None:
-            self._mode, self._stale = _INITIALIZING, True
+            self._mode, self._stale = Mode.INITIALIZING, True
 
         self._guarded(work)
 
@@ -166,9 +96,9 @@ class RailSlave(GuardedSlave):
         """Build the model if need be, and get ready to step."""
 
         def work() -> None:
-            if self._stale or self._mode != _INITIALIZING:
+            if self._stale or self._mode != Mode.INITIALIZING:
                 self._refresh()
-            self._mode = _RUNNING
+            self._mode = Mode.RUNNING
             if not self.held_error:
                 self.start()
 
@@ -176,23 +106,17 @@ class RailSlave(GuardedSlave):
 
     def _refresh(self) -> None:
         """Initialise the model with the present values; an error is held until they change."""
-        self._stale, self._setup_error = False, ""
+        self._stale, self._setup_error, self._built_from = False, "", None
         try:
             for variable in self.table.with_causality("parameter"):
                 variable.check(self.values[variable.name])
             self._check_finite("input")
             self.initialize()
-            self._built_from = self.parameters()
+            self._built_from = self._store.parameter_key()
             self._check_finite("output", "calculatedParameter")
         except BaseException as error:
             self._hold(error, setup=True)
         self._publish_status()
-
-    def _check_finite(self, *causalities: Any) -> None:
-        bad = self._store.not_finite(*causalities)
-        if bad:
-            more = f" and {len(bad) - 3} more" if len(bad) > 3 else ""
-            raise StepError(f"values must be finite: {', '.join(bad[:3])}{more}")
 
     # Steps
 
@@ -203,8 +127,10 @@ class RailSlave(GuardedSlave):
                 self._enter()
             if self._run_error or self._setup_error:
                 return False
-            if self._mode != _RUNNING:
+            if self._mode != Mode.RUNNING:
                 raise StepError(f"a step was asked for in mode {self._mode}; initialise first")
+            if not step_size > 0.0:
+                raise StepError(f"the step size must be positive, not {step_size!r} s")
             if self._suspect:
                 self._check_finite("input", "parameter")
                 self._suspect = False
@@ -221,88 +147,9 @@ class RailSlave(GuardedSlave):
         """End the run."""
 
         def work() -> None:
-            self._mode = _TERMINATED
+            self._mode = Mode.TERMINATED
 
         self._guarded(work)
-
-    # Values
-
-    def get_real(self, vrs: list[int]) -> list[float]:
-        """Return reals by value reference; not-a-number if a reference does not exist."""
-        try:
-            if threading.get_ident() != self._thread:
-                self._enter()
-            if self._stale:
-                self._refresh()
-            return self.reals[self._store.plan(vrs).index].tolist()
-        except BaseException as error:
-            self._hold(error)
-            return [math.nan] * len(vrs)
-
-    def set_real(self, vrs: list[int], values: list[float]) -> None:
-        """Write reals by value reference."""
-        try:
-            if threading.get_ident() != self._thread:
-                self._enter()
-            plan = self._store.plan(vrs)
-            if plan.readonly or (plan.fixed and self._mode == _RUNNING):
-                raise self._refused(plan.readonly, plan.fixed)
-            self.reals[plan.index] = values
-            if not math.isfinite(sum(values)):
-                self._suspect = True
-            self._stale = self._mode == _INITIALIZING
-        except BaseException as error:
-            self._hold(error)
-
-    @staticmethod
-    def _refused(readonly: str, fixed: str) -> StepError:
-        if readonly:
-            return StepError(f"{readonly} is calculated by the model and cannot be set")
-        return StepError(f"{fixed} is a fixed parameter: set it before initialization mode ends")
-
-    def _get(self, kind: str, vrs: list[int], default: Any) -> list[Any]:
-        def work() -> list[Any]:
-            if self._stale:
-                self._refresh()
-            return self._store.get(kind, vrs)
-
-        return self._guarded(work, [default] * len(vrs))
-
-    def _set(self, kind: str, vrs: list[int], values: Sequence[Any]) -> None:
-        def work() -> None:
-            wanted = host.texts_from_host(values) if kind == "string" else values
-            chosen = self._store.variables(kind, vrs)
-            readonly = next((v.name for v in chosen if not v.settable), "")
-            fixed = next((v.name for v in chosen if v.variability == "fixed"), "")
-            if readonly or (fixed and self._mode == _RUNNING):
-                raise self._refused(readonly, fixed)
-            self._store.set(kind, vrs, wanted)
-            self._stale = self._mode == _INITIALIZING
-
-        self._guarded(work)
-
-    def get_integer(self, vrs: list[int]) -> list[int]:
-        """Return integers by value reference."""
-        return self._get("integer", vrs, 0)
-
-    def get_boolean(self, vrs: list[int]) -> list[bool]:
-        """Return booleans by value reference."""
-        return self._get("boolean", vrs, False)
-
-    def get_string(self, vrs: list[int]) -> list[str]:
-        """Return texts by value reference."""
-        return [host.encodable(text) for text in self._get("string", vrs, "")]
-
-    def set_integer(self, vrs: list[int], values: list[int]) -> None:
-        """Write integers by value reference."""
-        self._set("integer", vrs, values)
-
-    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
-        """Write booleans by value reference."""
-        self._set("boolean", vrs, values)
-
-    def _set_strings(self, vrs: list[int], values: list[str]) -> None:
-        self._set("string", vrs, values)
 
     # State (the names are those that pythonfmu's C++ layer calls)
 
@@ -338,10 +185,10 @@ class RailSlave(GuardedSlave):
             self._store.load(_part(values, "variables."))
             self._suspect = True
             if values["built"]:
-                if self._built_from is None or self._built_from != self.parameters():
+                if self._built_from != self._store.parameter_key():
                     self.initialize()
-                    self._built_from = self.parameters()
-                    if saved.mode == _RUNNING:
+                    self._built_from = self._store.parameter_key()
+                    if saved.mode == Mode.RUNNING:
                         self.start()
                     self._store.load(_part(values, "variables."))
                 self.restore(_part(values, "model."))

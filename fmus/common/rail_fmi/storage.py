@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rail_fmi.errors import StepError
-from rail_fmi.variables import Variable, VariableTable
+from rail_fmi.variables import KINDS, Variable, VariableTable
 
 _PLAN_LIMIT = 256
 
@@ -68,6 +68,10 @@ class VariableStore:
             "boolean": self.booleans,
             "string": self.strings,
         }
+        parameters = table.with_causality("parameter")
+        self._fixed = {
+            kind: [table.reference(v.name) for v in parameters if v.kind == kind] for kind in KINDS
+        }
         self._plans: dict[tuple[int, int], AccessPlan] = {}
 
     def plan(self, references: list[int]) -> AccessPlan:
@@ -126,11 +130,25 @@ class VariableStore:
 
     def not_finite(self, *causalities: Any) -> list[str]:
         """Return the names of the reals of these causalities that are not finite."""
+        if np.isfinite(self.reals).all():
+            return []
         return [
             f"{v.name} = {self.value(v.name)}"
             for v in self.table.with_causality(*causalities)
             if v.kind == "real" and not math.isfinite(self.value(v.name))
         ]
+
+    def parameter_key(self) -> tuple[Any, ...]:
+        """Return the values of all parameters in a form that compares quickly."""
+        reals = self.reals[self._fixed["real"]].tobytes()
+        return (
+            reals,
+            *(
+                self._lists[kind][i]
+                for kind in ("integer", "boolean", "string")
+                for i in self._fixed[kind]
+            ),
+        )
 
     def save(self) -> dict[str, Any]:
         """Return all values as a flat dictionary of arrays and scalars."""

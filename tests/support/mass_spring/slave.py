@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import threading
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -39,6 +40,7 @@ class MassSpringSlave(RailSlave):
 
     def declare(self) -> Sequence[Variable]:
         self.info("declared 100 %")
+        self.local = threading.local()  # lives as long as the thread's Python state
         self.history = np.zeros(0)
         return [
             Variable("force", causality="input", unit="N", nominal=1.0e3, description="Force"),
@@ -68,6 +70,9 @@ class MassSpringSlave(RailSlave):
         self.info("started at 100 %")
 
     def step(self, time: float, step_size: float) -> None:
+        if not hasattr(self.local, "known"):
+            self.local.known = True
+            self.info("first step of a thread state")
         self._demanded(self.values["error"])
         h = step_size / self.model.substeps
         k, c, m = self.model.spring.stiffness, self.model.spring.damping, self.model.mass
