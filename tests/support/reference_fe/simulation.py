@@ -108,6 +108,11 @@ def simulate(
     record_energy : bool
         Record the dissipated power (costs time).
     """
+    if margin < track.fastener_spacing:
+        raise ValueError(
+            f"margin = {margin} m: keep the wheels at least one bay ({track.fastener_spacing} m) "
+            "from the hinged ends, 15 m for results free of them"
+        )
     stock = rolling_stock(vehicle, track.rail_distance, two_sided=two_sided)
     steps_per_bay = ceil(track.fastener_spacing / (speed * step) - 1e-9)
     scheme = make_scheme(track.fastener_spacing / (speed * steps_per_bay), spectral_radius)
