@@ -119,7 +119,7 @@ class PlacedRail:
             )
         _, z_now = _turned(local, profile.derivative(local), -angle)
         slope = profile.derivative(local, 1)
-        self.lateral: FloatArray = grid + shift
+        self.lateral = np.asarray(grid + shift, dtype=np.float64)
         self.height = z_now - top
         self.angle = np.arctan(slope) - angle
         axis_y, axis_z = _turned(np.array([0.0]), np.array([placement.axis_depth]), -angle)

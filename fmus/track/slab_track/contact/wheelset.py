@@ -122,12 +122,14 @@ def locate_wheel(tables, side, motion, rail, offset, out):
         if out[patch, PENETRATION] <= 0.0:
             continue
         # From the rail's frame to the track frame, then to the wheelset's centre.
-        in_y = description[2] - tables.axis_y
-        in_z = description[3] - tables.axis_z
+        # The point is that of the undeformed wheel: rolling radii are undeformed ones.
+        angle, depth = out[patch, ANGLE], out[patch, PENETRATION]
+        in_y = description[2] - math.sin(angle) * depth - tables.axis_y
+        in_z = description[3] + math.cos(angle) * depth - tables.axis_z
         point_y, point_z = cosine * in_y - sine * in_z, sine * in_y + cosine * in_z
         arm_y, arm_z = point_y + axis_y - y, point_z + axis_z - height
-        slope = math.tan(out[patch, ANGLE] + rail_roll)
-        out[patch, ANGLE] = side * (out[patch, ANGLE] + rail_roll)
+        slope = math.tan(angle + rail_roll)
+        out[patch, ANGLE] = side * (angle + rail_roll)
         out[patch, ARM_X] = -math.tan(yaw) * (arm_z * slope + arm_y)
         out[patch, ARM_Y], out[patch, ARM_Z] = side * arm_y, arm_z
         out[patch, RAIL_ARM_Y], out[patch, RAIL_ARM_Z] = side * point_y, point_z
