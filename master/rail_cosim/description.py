@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import xml.etree.ElementTree as ElementTree
 import zipfile
 from collections.abc import Mapping
@@ -12,6 +13,8 @@ from typing import Any, cast
 from rail_cosim.errors import FmuFileError
 from rail_cosim.slave import Kind, Variable
 
+# FMI strings have no list of allowed words; the project's FMUs end the description with it.
+_ONE_OF = re.compile(r"\(one of ([^()]+)\)$")
 _NUMBERS = ("real", "integer", "enumeration")
 
 
@@ -102,6 +105,9 @@ def _variable(element: ElementTree.Element, types: Mapping[str, ElementTree.Elem
     attributes = {} if simple is None else dict(simple.attrib)
     attributes.update(about.attrib)
     items = [] if simple is None else simple.findall("Item")
+    choices = {item.get("name", ""): int(item.get("value", "0")) for item in items}
+    if kind == "string" and (listed := _ONE_OF.search(element.get("description", ""))):
+        choices = {word: i for i, word in enumerate(listed[1].split(", "))}
     return Variable(
         name=element.get("name", ""),
         kind=cast(Kind, kind),
@@ -112,7 +118,7 @@ def _variable(element: ElementTree.Element, types: Mapping[str, ElementTree.Elem
         start=_start(kind, about.get("start")),
         minimum=_number(kind, attributes.get("min")),
         maximum=_number(kind, attributes.get("max")),
-        choices={item.get("name", ""): int(item.get("value", "0")) for item in items},
+        choices=choices,
         reference=int(element.get("valueReference", "0")),
     )
 

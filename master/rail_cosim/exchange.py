@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from rail_cosim.slave import RealVector, Slave
+from rail_cosim.slave import Slave, Vector
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,28 +40,24 @@ class Port:
         Its connected inputs.
     outputs
         All its real outputs, the connected ones first.
+    counters
+        All its integer outputs; these are recorded only.
     coupled
         How many of the outputs are connected.
     links
         Where the inputs come from.
-    wanted
-        How many outputs to read after the step: those that are connected, or
-        all when the step is recorded.
+    recorded
+        Whether the coming step is recorded: then all outputs are read after
+        it, else those that are connected.
     """
 
     slave: Slave
-    inputs: RealVector
-    outputs: RealVector
+    inputs: Vector
+    outputs: Vector
+    counters: Vector
     coupled: int
     links: list[Link] = dataclasses.field(default_factory=list)
-    wanted: int = 0
-
-    def __post_init__(self) -> None:
-        self.wanted = len(self.outputs.names)
-
-    def record_next(self, record: bool) -> None:
-        """Say whether the coming step is recorded."""
-        self.wanted = len(self.outputs.names) if record else self.coupled
+    recorded: bool = True
 
     def gather(self) -> None:
         """Copy the latest outputs of the others into the input buffer."""
@@ -76,4 +72,12 @@ class Port:
     def step(self, time: float, step_size: float) -> None:
         """Advance the slave and read its outputs."""
         self.slave.do_step(time, step_size)
-        self.outputs.read(self.wanted)
+        if self.recorded:
+            self.read_all()
+        else:
+            self.outputs.read(self.coupled)
+
+    def read_all(self) -> None:
+        """Read all outputs."""
+        self.outputs.read()
+        self.counters.read()

@@ -12,7 +12,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, cast
+from typing import Any, Literal, Self, cast
 
 import fmpy
 import numpy as np
@@ -45,6 +45,7 @@ _GETTERS = {
     "string": "getString",
 }
 _WORST_USABLE = Status.WARNING
+_BUFFER = {"real": np.float64, "integer": np.int32}
 HELD_ERROR = "status.message"
 
 
@@ -69,17 +70,19 @@ def _callbacks(log: Log) -> fmi2CallbackFunctions:
 
 
 class FmuVector:
-    """Real variables of an :class:`FmuSlave` (see :class:`rail_cosim.slave.RealVector`)."""
+    """Variables of an :class:`FmuSlave` (see :class:`rail_cosim.slave.Vector`)."""
 
-    def __init__(self, slave: FmuSlave, names: Sequence[str]) -> None:
+    def __init__(self, slave: FmuSlave, names: Sequence[str], kind: str) -> None:
         self.names = tuple(names)
-        self.values = np.zeros(len(self.names))
+        self.values = np.zeros(len(self.names), dtype=_BUFFER[kind])
         self._slave = slave
         references = [slave.variables[name].reference for name in self.names]
         self._references = np.array(references, dtype=np.uint32)  # keeps the memory alive
         self._reference_pointer = ctypes.c_void_p(self._references.ctypes.data)
         self._value_pointer = ctypes.c_void_p(self.values.ctypes.data)
-        self._get, self._set = slave.vector_calls()
+        word = kind.capitalize()
+        self._getter, self._setter = f"fmi2Get{word}", f"fmi2Set{word}"
+        self._get, self._set = (slave.vector_call(f) for f in (self._getter, self._setter))
         self._count = len(self.names)
 
     def read(self, count: int | None = None) -> None:
@@ -91,7 +94,7 @@ class FmuVector:
             self._slave.component, self._reference_pointer, number, self._value_pointer
         )
         if status > _WORST_USABLE:
-            self._slave.fail("fmi2GetReal", status)
+            self._slave.fail(self._getter, status)
 
     def write(self) -> None:
         """Copy the buffer into the FMU."""
@@ -101,7 +104,7 @@ class FmuVector:
             self._slave.component, self._reference_pointer, self._count, self._value_pointer
         )
         if status > _WORST_USABLE:
-            self._slave.fail("fmi2SetReal", status)
+            self._slave.fail(self._setter, status)
 
 
 class FmuSlave:
@@ -166,19 +169,18 @@ class FmuSlave:
         self.component = ctypes.c_void_p(cast(int, self._fmu.component))
         self._do_step = _STEP_CALL(("fmi2DoStep", self._fmu.dll))
 
-    def vector_calls(self) -> tuple[Any, Any]:
-        """Return the C functions that get and set reals."""
-        library = self._fmu.dll
-        return _VECTOR_CALL(("fmi2GetReal", library)), _VECTOR_CALL(("fmi2SetReal", library))
+    def vector_call(self, name: str) -> Any:
+        """Return the C function that gets or sets variables of one kind."""
+        return _VECTOR_CALL((name, self._fmu.dll))
 
     @property
     def variables(self) -> Mapping[str, Variable]:
         """All variables by name."""
         return self.description.variables
 
-    def vector(self, names: Sequence[str]) -> FmuVector:
-        """Return a vector of real variables."""
-        return FmuVector(self, names)
+    def vector(self, names: Sequence[str], kind: Literal["real", "integer"] = "real") -> FmuVector:
+        """Return a vector of variables, all of one kind."""
+        return FmuVector(self, names, kind)
 
     def get(self, names: Sequence[str]) -> dict[str, Value]:
         """Return values of any kind by name (slow)."""

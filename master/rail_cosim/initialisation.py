@@ -74,7 +74,7 @@ def initialise(
     for slave in system.slaves:
         slave.exit_initialization()
     for port in system.ports:
-        port.outputs.read()
+        port.read_all()
 
 
 def _set_parameters(slave: Slave, given: Mapping[str, Value], times: Mapping[str, str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from rail_cosim.errors import ParameterError, UnknownNameError
+from rail_cosim.errors import ParameterError, UnknownNameError, nearest
 from rail_cosim.slave import Value, Variable
 
 SETTABLE = ("parameter", "input")
@@ -53,12 +53,21 @@ def _article(causality: str) -> str:
 
 def _convert(full: str, variable: Variable, value: object) -> Value:
     if variable.kind == "string":
-        return str(value)
+        return _text(full, variable, value)
     if variable.kind == "boolean":
         return _truth(full, value)
     if variable.kind == "enumeration":
         return _choice(full, variable, value)
     return _number(full, variable, value)
+
+
+def _text(full: str, variable: Variable, value: object) -> str:
+    word = str(value)
+    if variable.choices and word not in variable.choices:
+        close = nearest(word, variable.choices, 1)
+        remedy = f"did you mean {close[0]}?" if close else ""
+        raise ParameterError(full, word, "must be one of " + ", ".join(variable.choices), remedy)
+    return word
 
 
 def _truth(full: str, value: object) -> bool:

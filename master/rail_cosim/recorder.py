@@ -37,6 +37,7 @@ class Recorder:
             raise ParameterError("--record-every", every, "must be at least 1")
         self.every = every
         self._ports = tuple(ports)
+        self._widths = [len(p.outputs.names) + len(p.counters.names) for p in self._ports]
         self._times: list[float] = []
         self._blocks: list[tuple[NDArray[np.float64], ...]] = []
 
@@ -48,11 +49,12 @@ class Recorder:
         """Record the ports' output buffers as those of ``time`` (s)."""
         row = len(self._times) % _ROWS
         if row == 0:
-            self._blocks.append(
-                tuple(np.empty((_ROWS, p.outputs.values.size)) for p in self._ports)
-            )
+            self._blocks.append(tuple(np.empty((_ROWS, width)) for width in self._widths))
         for block, port in zip(self._blocks[-1], self._ports, strict=True):
-            block[row] = port.outputs.values
+            reals = len(port.outputs.values)
+            block[row, :reals] = port.outputs.values
+            if reals < block.shape[1]:
+                block[row, reals:] = port.counters.values
         self._times.append(time)  # last: an interrupted row does not count
 
     def __len__(self) -> int:
@@ -67,7 +69,8 @@ class Recorder:
         """Return names and values, shape (n, number of outputs), of one slave."""
         for position, port in enumerate(self._ports):
             if port.slave.name == slave:
-                empty = np.empty((0, len(port.outputs.names)))
+                empty = np.empty((0, self._widths[position]))
                 blocks = [block[position] for block in self._blocks]
-                return port.outputs.names, np.concatenate([empty, *blocks])[: len(self)]
+                names = port.outputs.names + port.counters.names
+                return names, np.concatenate([empty, *blocks])[: len(self)]
         raise KeyError(slave)

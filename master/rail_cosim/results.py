@@ -88,7 +88,9 @@ def to_dataset(
         for variable, members in _group(names).items():
             key = f"{variable}_{slave.name}" if variable in dataset else variable
             about = slave.variables[names[members[0][0]]]
-            dataset[key] = _array(values, members, about.unit, about.description)
+            array = _array(values, members, about.unit, about.description)
+            whole = about.kind == "integer" and bool(array.notnull().all())
+            dataset[key] = array.astype(np.int32) if whole else array
         if LEADING_POSITION in names and "distance" not in dataset:
             position = values[:, names.index(LEADING_POSITION)]
             meaning = "distance travelled by the leading wheelset"
@@ -124,7 +126,7 @@ def _array(
 
 def _general(meaning: str) -> str:
     """Take the place out of a description that was made for one wheelset or wheel."""
-    return re.sub(r"\s*\[\d+\]|, (?:left|right)(?: wheel)?(?=$|,)", "", meaning).strip()
+    return re.sub(r" (wheelset|bogie|axle box|wheel) \d+\b", r" the \1", meaning)
 
 
 def _with_coordinates(dataset: xr.Dataset) -> xr.Dataset:

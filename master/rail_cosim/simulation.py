@@ -127,7 +127,7 @@ class Simulation:
             note.check()
             due = recorder.due(step)
             for port in ports:
-                port.record_next(due)
+                port.recorded = due
             algorithm.step(ports, (step - 1) * step_size, step_size)
             energy.observe()
             if due:

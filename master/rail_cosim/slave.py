@@ -11,7 +11,6 @@ import enum
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol
 
-import numpy as np
 from numpy.typing import NDArray
 
 Kind = Literal["real", "integer", "boolean", "string", "enumeration"]
@@ -49,7 +48,8 @@ class Variable:
     minimum, maximum
         Closed limits of a number, ``None`` for none.
     choices
-        Allowed words of an enumeration, with their numbers.
+        Allowed words of an enumeration, with their numbers, or of a text;
+        empty for any text.
     reference
         FMI value reference; only the slave itself uses it.
     """
@@ -67,19 +67,20 @@ class Variable:
     reference: int = 0
 
 
-class RealVector(Protocol):
-    """Some real variables of one slave, in a fixed order, and a buffer for their values.
+class Vector(Protocol):
+    """Some variables of one slave and one kind, in a fixed order, and a buffer for their values.
 
     Attributes
     ----------
     names
         The variables' names.
     values
-        Buffer, shape (n,); stays the same array for the vector's life.
+        Buffer, shape (n,), of float64 for reals and int32 for integers; stays
+        the same array for the vector's life.
     """
 
     names: tuple[str, ...]
-    values: NDArray[np.float64]
+    values: NDArray[Any]
 
     def read(self, count: int | None = None) -> None:
         """Copy the first ``count`` (default: all) values from the slave into the buffer."""
@@ -103,8 +104,8 @@ class Slave(Protocol):
         """All variables by name, in the slave's own order."""
         ...
 
-    def vector(self, names: Sequence[str]) -> RealVector:
-        """Return a vector of real variables."""
+    def vector(self, names: Sequence[str], kind: Literal["real", "integer"] = "real") -> Vector:
+        """Return a vector of variables, all of one kind."""
         ...
 
     def get(self, names: Sequence[str]) -> dict[str, Value]:

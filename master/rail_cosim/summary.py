@@ -37,7 +37,8 @@ class Range:
     @property
     def text(self) -> str:
         """The range in words."""
-        whole = f", {self.periods} whole {self.of} lengths" if self.periods else ""
+        plural = "s" if self.periods > 1 else ""
+        whole = f", {self.periods} whole {self.of} length{plural}" if self.periods else ""
         return f"{self.start:.2f} to {self.stop:.2f} m{whole}"
 
 

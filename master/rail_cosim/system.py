@@ -50,17 +50,15 @@ class SystemStructure:
     def _port(self, slave: Slave) -> Port:
         inputs = [c.name for c in self.connections if c.target == slave.name]
         coupled = list(dict.fromkeys(c.name for c in self.connections if c.source == slave.name))
-        others = [
-            variable.name
-            for variable in slave.variables.values()
-            if variable.causality == "output"
-            and variable.kind == "real"
-            and variable.name not in set(coupled)
-        ]
+        outputs = [v for v in slave.variables.values() if v.causality == "output"]
+        reals = [v.name for v in outputs if v.kind == "real"]
+        others = [name for name in reals if name not in set(coupled)]
+        counters = [v.name for v in outputs if v.kind == "integer"]
         return Port(
             slave=slave,
             inputs=slave.vector(inputs),
             outputs=slave.vector(coupled + others),
+            counters=slave.vector(counters, "integer"),
             coupled=len(coupled),
         )
 

@@ -13,12 +13,14 @@ def variable(name, causality="output", unit="", kind="real", start=0.0, **more):
 
 
 class MockVector:
-    def __init__(self, slave, names):
+    def __init__(self, slave, names, kind):
         self.slave, self.names = slave, tuple(names)
-        self.values = np.zeros(len(self.names))
+        self.values = np.zeros(len(self.names), dtype=np.int32 if kind == "integer" else float)
 
     def read(self, count=None):
         count = len(self.names) if count is None else count
+        if not self.names:
+            return
         self.slave.log("read", count)
         self.slave.before_reading()
         self.values[:count] = [self.slave.data[name] for name in self.names[:count]]
@@ -47,8 +49,8 @@ class MockSlave:
     def log(self, *what):
         self.calls.append((self.name, *what))
 
-    def vector(self, names):
-        return MockVector(self, names)
+    def vector(self, names, kind="real"):
+        return MockVector(self, names, kind)
 
     def get(self, names):
         self.log("get", *names)
@@ -208,7 +210,7 @@ class MockTrack(MockSlave):
             variable("wheelset[1].left.normal_force", unit="N", description="normal force"),
             variable("wheelset[1].right.normal_force", unit="N", description="normal force"),
             variable("wheelset[1].static_vertical_displacement", unit="m", start=2e-5),
-            variable("window.slide_count"),
+            variable("window.slide_count", kind="integer", start=0),
             variable(Z, "input", "m"),
             variable(V, "input", "m/s"),
             *extra,
@@ -245,6 +247,7 @@ class MockTrack(MockSlave):
         self.memory["wheel"] = wheel
         self.memory["rail"] = self.propagate(self.memory["rail"], start, end, step_size)
         self._publish(end)
+        self.data["window.slide_count"] = self.steps // 10
 
 
 def monolithic(times):

@@ -310,6 +310,7 @@ def test_description_of_an_fmu(fmus):
     assert (stiffness.start, stiffness.minimum, stiffness.maximum) == (8e7, 0.0, None)
     assert about.variables["fastener.count_per_slab"].start == 8
     assert about.units["N"] == {"kg": "1", "m": "1", "s": "-2"}
+    assert about.variables["coupling.input_time"].choices == {"step_start": 0, "step_end": 1}
     assert about.can_save_state
 
 

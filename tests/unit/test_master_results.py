@@ -61,7 +61,7 @@ def recorded(attributes=None):
         variable("wheelset[2].longitudinal_position", unit="m", description="position"),
         variable("wheelset[1].left.normal_force", unit="N", description="force of the wheel"),
         variable("wheelset[2].right.normal_force", unit="N", description="force of the wheel"),
-        variable("bogie[1].vertical_acceleration", unit="m/s2"),
+        variable("bogie[1].vertical_acceleration", unit="m/s2", description="Rise of bogie 1, up"),
         variable("both"),
     ]
     first = MockSlave("vehicle", [*outputs, variable("in", "input")])
@@ -91,7 +91,8 @@ def test_content_of_the_dataset():
     assert force.sel(wheelset=2, side="right").to_numpy().tolist() == [300.0, 301.0, 302.0]
     assert np.isnan(force.sel(wheelset=1, side="right")).all()  # the slave has no such output
     assert data["wheelset_longitudinal_position"].dims == ("time", "wheelset")
-    assert data["bogie_vertical_acceleration"].attrs["units"] == "m/s2"
+    about = {"units": "m/s2", "long_name": "Rise of the bogie, up"}
+    assert data["bogie_vertical_acceleration"].attrs == about
 
 
 def test_distance_is_that_travelled_by_the_leading_wheelset():
@@ -163,6 +164,7 @@ def test_mock_pair_gives_the_variables_of_the_contract():
     assert data["axle_box_vertical_acceleration"].dims == ("time", "wheelset", "side")
     assert data["wheelset_vertical_displacement"].dims == ("time", "wheelset")
     assert data["window_slide_count"].dims == ("time",)
+    assert data["window_slide_count"].dtype == np.int32
 
 
 def test_a_missing_library_is_found_before_the_run(tmp_path, monkeypatch):

@@ -117,7 +117,15 @@ def test_thinned_recording_reads_only_what_is_coupled_in_between():
     track.calls.clear()
     run.run(8)
     reads = [call[2] for call in track.calls if call[1] == "read"]
-    assert reads == [1, 1, 1, 5, 1, 1, 1, 5]
+    assert reads == [1, 1, 1, 4, 1, 1, 1, 1, 4, 1]  # reals, and integers when recorded
+
+
+def test_integers_are_recorded_beside_reals():
+    run, recorder = simulation()
+    run.run(100)
+    names, values = recorder.values("track")
+    assert names[-1] == "window.slide_count"
+    assert values[:, -1].tolist() == [step // 10 for step in range(101)]
 
 
 def test_records_go_on_over_the_edge_of_a_block():

@@ -118,7 +118,7 @@ def test_range_is_a_whole_number_of_slabs_or_bays_of_the_second_half(length, per
     period = SLAB if of == "slab" else BAY
     assert chosen.stop - chosen.start == pytest.approx(periods * period)
     assert len(x[chosen.rows]) == pytest.approx(periods * period / 0.01, abs=1)
-    assert f"{periods} whole {of} lengths" in chosen.text
+    assert f"{periods} whole {of} length" in chosen.text
 
 
 @pytest.mark.parametrize(("bay", "slab"), [(math.nan, math.nan), (BAY, SLAB)])

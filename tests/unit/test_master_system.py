@@ -102,11 +102,12 @@ def test_order_of_calls_of_the_initialisation():
         ("vehicle", "set", initial),
         ("vehicle", "read", 5),
         ("track", "write"),
-        ("track", "read", 5),
+        ("track", "read", 4),
         ("vehicle", "write"),
         ("track", "exit_initialization"),
         ("vehicle", "exit_initialization"),
-        ("track", "read", 5),
+        ("track", "read", 4),
+        ("track", "read", 1),  # integers
         ("vehicle", "read", 5),
     ]
     assert calls == expected
