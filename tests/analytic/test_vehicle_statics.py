@@ -109,6 +109,18 @@ def test_stiffness_is_symmetric_and_stable_on_held_wheelsets():
     assert np.linalg.eigvalsh(stiffness[np.ix_(loose, loose)]).min() > 1e3
 
 
+def test_sheared_springs_share_the_couple_of_their_load_between_both_seats():
+    """Car body moved to the right: its weight stands half the way to the left of its centre."""
+    stiffness = VehicleModel(PAPER).linear_system().stiffness
+    weight = 44039.0 * 9.81
+    lever = 1.71 - 0.76
+    assert stiffness[3, 1] == pytest.approx(-0.5 * weight - 4.0 * 0.18e6 * lever, rel=1e-12)
+    # Half of the load pushes on the leading bogie's frame, half the way to the right.
+    above_frame = 0.76 - 0.50
+    expected = -0.25 * weight - 2.0 * 0.18e6 * above_frame
+    assert stiffness[9, 1] == pytest.approx(expected, rel=1e-12)
+
+
 def solve_on_held_wheelsets(parameters, loads):
     """Displacements (50,) under loads (50,) with all wheelset coordinates held."""
     stiffness = VehicleModel(parameters).linear_system().stiffness

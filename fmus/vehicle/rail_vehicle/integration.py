@@ -87,9 +87,13 @@ class OperatorCache:
         self._system = system
         self._capacity = capacity
         self._kept: OrderedDict[float, Operators] = OrderedDict()
+        self._last: tuple[float, Operators | None] = 0.0, None
 
     def __getitem__(self, step: float) -> Operators:
         """Return the operators of a step size in s, computed if need be."""
+        last_step, last = self._last
+        if last is not None and step == last_step:
+            return last
         key = float(f"{step:.8e}")
         operators = self._kept.get(key)
         if operators is None:
@@ -99,6 +103,7 @@ class OperatorCache:
                 self._kept.popitem(last=False)
         else:
             self._kept.move_to_end(key)
+        self._last = step, operators
         return operators
 
 

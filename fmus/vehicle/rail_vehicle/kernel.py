@@ -29,6 +29,16 @@ RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
 _MAX_ITERATIONS = 60
 
 
+# Plain loops throughout: numba compiles each array expression into a function of its own.
+
+
+@njit(cache=True)
+def copy_into(target: Array, first: int, source: Array) -> None:
+    """Write ``source`` into ``target`` from index ``first`` on."""
+    for index in range(source.size):
+        target[first + index] = source[index]
+
+
 @njit(cache=True)
 def add_columns(matrix: Array, first: int, vector: Array, result: Array) -> None:
     """Add ``matrix[first:first + n].T @ vector`` to ``result``, column by column."""
@@ -46,19 +56,30 @@ def internal_forces(
     start: Array,
     end: Array,
     duration: float,
-    excess_momentum: Array,
+    momentum: Array,
     law: Array,
     forces: Array,
 ) -> None:
     """Write element forces and gyroscopic moments at the end of a step, shape (16,).
 
-    ``excess_momentum`` (4,) is the wheelsets' angular momentum beyond that of
-    the parameter ``speed``, whose gyroscopic moments the linear part contains.
+    ``momentum`` (4,) is that of :func:`excess_momentum`.
     """
     element_forces(damper_forces, start, end, duration, law, forces)
     for index in range(4):
-        forces[8 + index] = excess_momentum[index] * end[20 + index]
-        forces[12 + index] = -excess_momentum[index] * end[16 + index]
+        forces[8 + index] = momentum[index] * end[20 + index]
+        forces[12 + index] = -momentum[index] * end[16 + index]
+
+
+@njit(cache=True)
+def excess_momentum(vector: Array, constants: Array) -> Array:
+    """Angular momentum of the wheelsets beyond that of the parameter ``speed``, shape (4,).
+
+    The linear part contains the gyroscopic moments of the latter.
+    """
+    momentum = np.empty(4)
+    for index in range(4):
+        momentum[index] = constants[0] * (vector[PITCH_RATES + index] - constants[1])
+    return momentum
 
 
 @njit(cache=True)
@@ -76,18 +97,17 @@ def evaluate(
 ) -> Array:
     """Join the state with contact forces less static, acceleration, internal forces, (145,)."""
     result = np.zeros(RESULT_COUNT)
-    result[:VECTOR_COUNT] = vector
-    result[VECTOR_COUNT : VECTOR_COUNT + FORCE_COUNT] = less_static(forces, constants[2])
+    copy_into(result, 0, vector)
+    copy_into(result, VECTOR_COUNT, less_static(forces, constants[2]))
     result[VECTOR_COUNT + FORCE_COUNT] = acceleration
     now = np.zeros(SIGNAL_COUNT)
     add_columns(signals, 0, vector[:STATE_COUNT], now)
-    momentum = constants[0] * (vector[PITCH_RATES : PITCH_RATES + 4] - constants[1])
     internal_forces(
         vector[DAMPER_FORCES : DAMPER_FORCES + 4],
         now,
         now,
         0.0,
-        momentum,
+        excess_momentum(vector, constants),
         law,
         result[VECTOR_COUNT + FORCE_COUNT + 1 :],
     )
@@ -127,11 +147,13 @@ def solve_internal(
     end = np.empty(SIGNAL_COUNT)
     found = np.empty(INTERNAL_COUNT)
     for _ in range(_MAX_ITERATIONS):
-        end[:] = known
+        copy_into(end, 0, known)
         add_columns(feedback, 0, forces, end)
         internal_forces(damper_forces, start, end, step, momentum, law, found)
         # Rounding of the elongations limits what can be reached behind a stiff spring.
-        change, size = 0.0, law[3] * np.max(np.abs(end[:4]))
+        change, size = 0.0, 0.0
+        for index in range(4):
+            size = max(size, law[3] * abs(end[index]))
         for index in range(INTERNAL_COUNT):
             change = max(change, abs(found[index] - forces[index]))
             size = max(size, abs(found[index]))
@@ -177,16 +199,16 @@ def advance_part(
     add_columns(known, 0, state[:STATE_COUNT], ahead)
     add_columns(known, STATE_COUNT, inputs, ahead)
     spin_wheelsets(state, inputs, step, constants[0])
-    momentum = constants[0] * (state[PITCH_RATES : PITCH_RATES + 4] - constants[1])
+    momentum = excess_momentum(state, constants)
     then = np.zeros(SIGNAL_COUNT)
     add_columns(signals, 0, ahead, then)
     damper_forces = state[DAMPER_FORCES : DAMPER_FORCES + 4]
     converged = solve_internal(forces, damper_forces, now, then, feedback, step, momentum, law)
     add_columns(internal, 0, forces, ahead)
     add_columns(feedback, 0, forces, then)
-    now[:] = then
-    state[:STATE_COUNT] = ahead
-    state[DAMPER_FORCES : DAMPER_FORCES + 4] = forces[:4]
+    copy_into(now, 0, then)
+    copy_into(state, 0, ahead)
+    copy_into(state, DAMPER_FORCES, forces[:4])
     state[POSITION] += step * (state[SPEED] + 0.5 * acceleration * step)
     state[SPEED] += acceleration * step
     return converged
@@ -238,7 +260,7 @@ def advance(
     result = evaluate(state, end, acceleration, signals, constants, law)
     inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
     inputs[3 * FORCE_COUNT] = acceleration
-    inputs[3 * FORCE_COUNT + 1 :] = result[VECTOR_COUNT + FORCE_COUNT + 1 :]
+    copy_into(inputs, 3 * FORCE_COUNT + 1, result[VECTOR_COUNT + FORCE_COUNT + 1 :])
     first = less_static(start, constants[2])
     last = less_static(end, constants[2])
     now = np.zeros(SIGNAL_COUNT)
@@ -249,8 +271,8 @@ def advance(
         good &= advance_part(
             state, inputs, now, step, known, internal, signals, feedback, constants, law
         )
-    result[:VECTOR_COUNT] = state
-    result[VECTOR_COUNT + FORCE_COUNT + 1 :] = inputs[3 * FORCE_COUNT + 1 :]
+    copy_into(result, 0, state)
+    copy_into(result, VECTOR_COUNT + FORCE_COUNT + 1, inputs[3 * FORCE_COUNT + 1 :])
     for value in result:
         good &= math.isfinite(value)
     return result, good
