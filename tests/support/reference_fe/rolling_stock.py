@@ -80,7 +80,8 @@ def _single_wheel(wheel: SingleWheel, sides: int) -> RollingStock:
 _BODIES = 7
 
 
-def _full_vehicle(v: ReferenceVehicle, rail_distance: float, sides: int) -> RollingStock:
+def _suspension(v: ReferenceVehicle) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and damping over the dofs of all bodies."""
     stiffness, damping = np.zeros((2, 3 * _BODIES, 3 * _BODIES))
 
     def connect(a: np.ndarray, b: np.ndarray, k: float, c: float) -> None:
@@ -99,6 +100,11 @@ def _full_vehicle(v: ReferenceVehicle, rail_distance: float, sides: int) -> Roll
                 y = side * v.primary_half_span
                 on_bogie, on_box = _point(1 + j, arm[i], y), _point(3 + 2 * j + i, 0.0, y)
                 connect(on_bogie, on_box, v.primary_stiffness, v.primary_damping)
+    return stiffness, damping
+
+
+def _full_vehicle(v: ReferenceVehicle, rail_distance: float, sides: int) -> RollingStock:
+    stiffness, damping = _suspension(v)
     inertia = [(v.car_body_mass, v.car_body_roll_inertia, v.car_body_pitch_inertia)]
     inertia += 2 * [(v.bogie_mass, v.bogie_roll_inertia, v.bogie_pitch_inertia)]
     inertia += 4 * [(v.wheelset_mass, v.wheelset_roll_inertia, 1.0)]

@@ -64,11 +64,12 @@ def steady_run(
     """Run until the start has died away: longer, and farther from the ends, with soft damping."""
     low = track.pad_damping < 30e3
     speed = speed_kmh / 3.6
+    duration = (1.2 if track.pad_stiffness < 100e6 else 2.2) if low else 0.7
     return simulate(
         resolution.of(track),
         vehicle,
         speed,
-        max(speed * (2.5 if low else 0.7), 8 * track.pitch),
+        max(speed * duration, 8 * track.pitch),
         step=resolution.step,
         margin=25.0 if low else 15.0,
     )
@@ -104,12 +105,12 @@ def resonance_case(pad_stiffness: float) -> dict[str, object]:
     """Speed of the largest wheelset acceleration of a single wheel, nominal pad damping."""
     track = ReferenceTrack(pad_stiffness=pad_stiffness)
 
-    def amplitude(speed_kmh: float) -> float:
-        run = steady_run(track, SingleWheel(), speed_kmh, MEDIUM)
+    def amplitude(speed_kmh: float, resolution: Resolution = MEDIUM) -> float:
+        run = steady_run(track, SingleWheel(), speed_kmh, resolution)
         return float(run.amplitude(run.wheelset_acceleration)[0])
 
     coarse = np.arange(80.0, 261.0, 15.0)
-    centre = coarse[np.argmax([amplitude(v) for v in coarse])]
+    centre = coarse[np.argmax([amplitude(v, COARSE) for v in coarse])]
     speeds = centre + np.arange(-12.0, 13.0, 4.0)
     values = np.array([amplitude(v) for v in speeds])
     top = int(np.clip(values.argmax(), 1, len(values) - 2))
