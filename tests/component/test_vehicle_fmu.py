@@ -85,7 +85,7 @@ WAYS = [("step_start", 1), ("step_start", 2), ("step_end", 1), ("step_end", 2)]
 
 @cache
 def steps_of_the_fmu():
-    """Outputs after 30 steps, for each of the ways to read the forces."""
+    """Return the outputs after 30 steps, for each of the ways to read the forces."""
     rows = ";".join(" ".join(map(repr, forces(k).ravel().tolist())) for k in range(STEPS + 1))
     names = [f"wheelset[{i}].contact.{name}" for i in (1, 2, 3, 4) for name, _, _ in CONTACT]
     lines = run(
