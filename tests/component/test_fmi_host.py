@@ -244,6 +244,7 @@ def newer_base(tmp_path, monkeypatch):
     """Build the doubler with another version of ``rail_fmi``."""
     import rail_fmi
 
+    mass_spring_fmu()  # built with the usual base, before the other one takes its place
     copy = tmp_path / "newer"
     shutil.copytree(rail_fmi.__path__[0], copy / "rail_fmi")
     with (copy / "rail_fmi" / "errors.py").open("a") as file:
