@@ -52,6 +52,8 @@ class TrackState(NamedTuple):
         and the new window at the last slide, m.
     datum
         Height of the wheels' lowest points at zero vertical displacement, m.
+    internal_step
+        Length of the last internal step, s.
     """
 
     time: float
@@ -66,6 +68,7 @@ class TrackState(NamedTuple):
     slide_count: int
     slide_residual: float
     datum: float
+    internal_step: float
 
 
 class TrackOutputs(NamedTuple):
@@ -175,6 +178,7 @@ class TrackModel:
             slide_count=0,
             slide_residual=0.0,
             datum=datum,
+            internal_step=p.integration.maximum_step,
         )
         return self.with_motion(state, motion)
 
@@ -202,7 +206,7 @@ class TrackModel:
         return FieldState(
             rail=np.zeros((3, 2, track.rail.wave_number.size)),
             slab=np.zeros((3, track.slab_count, modes)),
-            residual=np.zeros(track.fastener_count),
+            residual=np.zeros((2, track.fastener_count)),
         )
 
     # -- running ---------------------------------------------------------------
@@ -251,9 +255,11 @@ class TrackModel:
             drive = np.repeat(applied_force[None], substeps, axis=0)
         else:
             drive = self._wheel_heights(state.datum, path)
-        symmetric, antisymmetric = _copy(state.symmetric), _copy(state.antisymmetric)
+        internal = dt / substeps
+        symmetric = _copy(state.symmetric, internal / state.internal_step)
+        antisymmetric = _copy(state.antisymmetric, internal / state.internal_step)
         force, penetration, deflection, fasteners = advance(
-            *self._operators(dt / substeps),
+            *self._operators(internal),
             symmetric,
             antisymmetric,
             path[:, :, 0] - state.window_start,
@@ -261,10 +267,11 @@ class TrackModel:
             state.normal_force,
             self.parameters.interface == "applied_force",
             self.hertz_constant,
-            dt / substeps,
+            internal,
         )
         state = state._replace(
             time=end,
+            internal_step=internal,
             symmetric=symmetric,
             antisymmetric=antisymmetric,
             history=history,
@@ -323,8 +330,8 @@ class TrackModel:
     def _slide_field(self, field: FieldState) -> FieldState:
         rail = [slide_rail(self.linear.rail, self.slide, level) for level in field.rail]
         slab = [slide_rows(level, 1) for level in field.slab]
-        residual = slide_rows(field.residual, self.linear.seat_count)
-        return FieldState(np.array(rail), np.array(slab), residual)
+        residual = slide_rows(field.residual.T, self.linear.seat_count).T
+        return FieldState(np.array(rail), np.array(slab), np.ascontiguousarray(residual))
 
     @functools.cached_property
     def _residual_shapes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -344,5 +351,9 @@ class TrackModel:
         return float(np.max(np.abs(rails)))
 
 
-def _copy(field: FieldState) -> FieldState:
-    return FieldState(*(array.copy() for array in field))
+def _copy(field: FieldState, step_ratio: float) -> FieldState:
+    """Copy a field; the earlier residual is moved to the distance of the new internal step."""
+    now, before = field.residual
+    if step_ratio != 1.0:
+        before = now + step_ratio * (before - now)
+    return FieldState(field.rail.copy(), field.slab.copy(), np.array([now, before]))

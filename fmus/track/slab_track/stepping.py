@@ -23,11 +23,11 @@ wheels, and :math:`\tilde p` the fastener forces of the free step.
 
 The modes left out of the series follow the forces without inertia: at fasteners
 and wheels they add :math:`r = R_w F - R p` with their static compliance. Their
-rate in the fasteners' dampers is taken as the backward difference
-:math:`(r'-r)/h`, so with :math:`\nu = k + c/h`
+rate in the fasteners' dampers is the backward difference of second order (BDF2),
+:math:`(\tfrac32 r' - 2r + \tfrac12 r_{-1})/h`, so with :math:`\nu = k + \tfrac{3c}{2h}`
 
-.. math:: p' = D\left(\tilde p - \tfrac{c}{h} r + (\mu Y_w + \nu R_w) F'\right),\quad
-          D = (I + \mu Y + \nu R)^{-1}.
+.. math:: p' = D\left(\tilde p - \tfrac{c}{h}(2r - \tfrac12 r_{-1})
+          + (\mu Y_w + \nu R_w) F'\right),\quad D = (I + \mu Y + \nu R)^{-1}.
 
 What remains per wheel is one scalar equation of Hertz's law with the compliance
 
@@ -56,7 +56,8 @@ class FieldState(NamedTuple):
     slab
         Shape (3, S, n): derivative, slab, mode.
     residual
-        Compression of the fasteners by the modes left out, shape (P,), m.
+        Compression of the fasteners by the modes left out, now and one internal step
+        before, shape (2, P), m.
     """
 
     rail: np.ndarray
@@ -121,7 +122,7 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
     residual = track.fastener_residual(symmetry)
     mu = quarter * track.stiffness + 0.5 * step * track.damping
-    nu = track.stiffness + track.damping / step
+    nu = track.stiffness + 1.5 * track.damping / step
     count = track.fastener_count
     left_out = np.concatenate([np.zeros(beta.size), track.residual_flexibility])
     return StepOperator(
@@ -256,7 +257,9 @@ def free_class_step(operator, field, shapes, positions, step):
         step,
     )
     at_fasteners, clamped, direct = _wheel_coupling(operator, positions)
-    extension = _fastener_extension(operator, rail, slab) - operator.lag * field.residual
+    extension = _fastener_extension(operator, rail, slab) - operator.lag * (
+        2.0 * field.residual[0] - 0.5 * field.residual[1]
+    )
     fastener = operator.solve @ extension
     per_wheel = clamped @ operator.solve.T
     wave = operator.rail_deflection[0] * rail[0, 0] + operator.rail_deflection[1] * rail[0, 1]
@@ -280,11 +283,12 @@ def close_class_step(operator, field, shapes, positions, step, fastener, forces)
     slab[0] += quarter * slab_a
     slab[1] += half * slab_a
     slab[2] += slab_a
-    field.residual[:] = -(operator.residual @ fastener)
+    field.residual[1] = field.residual[0]
+    field.residual[0] = -(operator.residual @ fastener)
     at_fasteners = np.empty(fastener.size)
     for wheel in range(forces.size):
         to_fasteners(operator.residual_kernel, positions[wheel] / operator.spacing, at_fasteners)
-        field.residual[:] += forces[wheel] * at_fasteners
+        field.residual[0] += forces[wheel] * at_fasteners
 
 
 @numba.njit(cache=True)

@@ -1,0 +1,48 @@
+"""Staggered coupling of the two cores against their monolithic integration."""
+
+import numpy as np
+import pytest
+from pair import WholeVehicle, run_monolithic, run_staggered
+from rail_vehicle import VehicleModel, VehicleParameters
+from slab_track import TrackModel, TrackParameters
+from slab_track.parameters import Integration, Rail, Window
+
+SPEED, DISTANCE, PITCH = 300 / 3.6, 15.0, 5.032
+
+
+def _pair():
+    parameters = TrackParameters(
+        rail=Rail(mode_count=250),
+        integration=Integration(maximum_step=5e-5),
+        window=Window(method="moving_mass"),
+    )
+    return TrackModel(parameters), WholeVehicle(VehicleModel(VehicleParameters(speed=SPEED)))
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return run_monolithic(*_pair(), distance=DISTANCE, speed=SPEED, step=5e-5)
+
+
+def _error(reference, step, jacobi):
+    """Largest difference of wheel force over the last slab, over half the peak-to-peak."""
+    history = run_staggered(*_pair(), distance=DISTANCE, speed=SPEED, step=step, jacobi=jacobi)
+    last = history.time > history.time[-1] - PITCH / SPEED
+    monolithic = reference.normal_force[:, :, 0]
+    half = 0.5 * np.ptp(monolithic[reference.time > reference.time[-1] - PITCH / SPEED], axis=0)
+    every = round(step / 5e-5)
+    same_times = monolithic[every - 1 :: every][: history.time.size]
+    difference = np.abs(history.normal_force[:, :, 0] - same_times)[last]
+    return float(np.max(difference / half))
+
+
+def test_gauss_seidel_meets_the_monolithic_solution(reference):
+    errors = [_error(reference, step, jacobi=False) for step in (4e-4, 2e-4, 1e-4)]
+    assert errors[-1] < 1e-3
+    assert np.log2(errors[0] / errors[-1]) / 2 > 2.0
+
+
+def test_jacobi_meets_the_monolithic_solution(reference):
+    errors = [_error(reference, step, jacobi=True) for step in (4e-4, 2e-4, 1e-4)]
+    assert errors[-1] < 2e-2
+    assert np.log2(errors[0] / errors[-1]) / 2 > 2.0
