@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated
@@ -27,6 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
+_DRAW_EVERY = 0.2  # s
 _out = Console()
 _err = Console(stderr=True)
 
@@ -55,17 +57,19 @@ class _Terminal:
     def __init__(self, bar: Progress) -> None:
         self._bar = bar
         self._task = bar.add_task("starting", total=None)
+        self._drawn = 0.0
 
     def stage(self, text: str) -> None:
         """Show what is being done."""
         self._bar.update(self._task, description=text, refresh=True)
 
     def progress(self, done: int, planned: int) -> None:
-        """Move the bar."""
-        self._bar.update(
-            self._task, description="stepping", completed=done, total=planned, refresh=False
-        )
-        self._bar.refresh()
+        """Move the bar, a few times a second at most: drawing takes time from the run."""
+        now = time.monotonic()
+        if now - self._drawn >= _DRAW_EVERY or done == planned:
+            self._drawn = now
+            self._bar.update(self._task, description="stepping", completed=done, total=planned)
+            self._bar.refresh()
 
     def notice(self, text: str) -> None:
         """Print a warning."""
@@ -161,7 +165,8 @@ def run(
     Parameters come from the parameter sets of --line and --vehicle, then from
     --speed, then from --set; the last one wins. All in SI units but --speed.
     """
-    from rail_cosim.runner import RunOptions, execute
+    from rail_cosim.options import RunOptions
+    from rail_cosim.runner import execute
 
     with _plain_errors():
         options = RunOptions(

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rail_cosim.errors import ParameterError
-from rail_cosim.summary import Summary, spectrum
+from rail_cosim.summary import Summary, distances, spectrum
 
 # Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
@@ -93,17 +93,18 @@ def _title(dataset: xr.Dataset) -> str:
 
 
 def _over_distance(axes: Axes, dataset: xr.Dataset, name: str, factor: float) -> None:
+    way = distances(dataset)
     if name in dataset:
         values = dataset[name].isel(side=0)
         for i in range(values.sizes["wheelset"]):
             axes.plot(
-                dataset["distance"],
+                way,
                 values.isel(wheelset=i) * factor,
                 color=_COLOURS[i % len(_COLOURS)],
                 lw=0.8,
                 label=f"wheelset {i + 1}",
             )
-    axes.set_xlim(float(dataset["distance"][0]), float(dataset["distance"][-1]))
+    axes.set_xlim(way[0], way[-1])
     axes.grid(visible=True, lw=0.3, color="0.8")
 
 

@@ -26,6 +26,10 @@ _DIMENSION = {
     "primary_suspension": "wheelset",
     "rail_head": "wheelset",
     "secondary_suspension": "bogie",
+    "yaw_damper": "bogie",
+    "lateral_damper": "bogie",
+    "lateral_bump_stop": "bogie",
+    "anti_roll_bar": "bogie",
 }
 _INDEXED = re.compile(
     r"^(?P<group>\w+)\[(?P<index>\d+)\]\.(?:(?P<side>left|right)\.)?(?P<rest>.+)$"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import math
 import shlex
 import sys
@@ -27,6 +26,7 @@ from rail_cosim.errors import ParameterError, RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import SPEED, initialise
 from rail_cosim.interrupts import InterruptNote
+from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import read_preset
@@ -37,8 +37,6 @@ from rail_cosim.slave import Slave, Value
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
 
-KM_H = 1.0 / 3.6
-MACRO_STEP = 1e-4
 _LEADING_SPEED = "wheelset[1].longitudinal_velocity"
 
 
@@ -70,62 +68,6 @@ class Quiet:
     def notice(self, text: str) -> None:
         """Warn."""
         warnings.warn(text, stacklevel=2)
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class RunOptions:
-    """What to run; the fields are the options of ``rail-cosim run``.
-
-    Attributes
-    ----------
-    line
-        Parameter set of the track FMU (``HD``, ``ZX``); ``None`` for its defaults.
-    vehicle
-        Parameter set of the vehicle FMU, or the path of another vehicle FMU.
-    track
-        Path of another track FMU.
-    speed
-        In km/h; ``None`` for the vehicle's own.
-    distance
-        Way of the leading wheelset in m.
-    settings
-        Texts ``track.NAME=VALUE`` and ``vehicle.NAME=VALUE``; they come last and win.
-    macro_step
-        Communication step in s.
-    algorithm
-        ``gauss-seidel``, ``jacobi`` or ``iterative-gauss-seidel``.
-    record_every
-        Record each step (1), each second (2), ...
-    out, plot
-        NetCDF file and picture to write; ``None`` for none.
-    command
-        The command as typed, for the record.
-    """
-
-    line: str | None = None
-    vehicle: str | None = None
-    track: Path | None = None
-    speed: float | None = None
-    distance: float = 100.0
-    settings: Sequence[str] = ()
-    macro_step: float = MACRO_STEP
-    algorithm: str = GaussSeidel.name
-    record_every: int = 1
-    out: Path | None = None
-    plot: Path | None = None
-    command: str = ""
-
-    def __post_init__(self) -> None:
-        limits = (
-            ("--distance", self.distance, "m"),
-            ("--macro-step", self.macro_step, "s"),
-            ("--speed", self.speed, "km/h"),
-        )
-        for name, value, unit in limits:
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise ParameterError(name, value, f"must be greater than 0 {unit}")
-        if self.record_every < 1:
-            raise ParameterError("--record-every", self.record_every, "must be at least 1")
 
 
 def run(

@@ -92,7 +92,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
     if dataset.sizes.get("time", 0) < 2:
         raise ValueError("the run has fewer than two records; there is nothing to summarise")
     time = dataset["time"].to_numpy()
-    distance = dataset["distance"].to_numpy() if "distance" in dataset else np.zeros_like(time)
+    distance = distances(dataset)
     bay, slab = periods(dataset)
     chosen = choose_range(distance, bay, slab)
     rows = chosen.rows
@@ -117,6 +117,16 @@ def summarise(dataset: xr.Dataset) -> Summary:
         acceleration_slab=acceleration_amplitudes[1],
         dominant_frequency=dominant_frequency(time[rows], acceleration),
     )
+
+
+def distances(dataset: xr.Dataset) -> Array:
+    """Return the way of the leading wheelset in m, shape (n,).
+
+    For a vehicle without the output of its position it is speed times time.
+    """
+    if "distance" in dataset:
+        return dataset["distance"].to_numpy()
+    return dataset["time"].to_numpy() * float(dataset.attrs["speed_km_h"]) / 3.6
 
 
 def _wheels(dataset: xr.Dataset, name: str) -> Array:

@@ -77,8 +77,8 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
     )
     facts.add_row(
         "energy defect",
-        f"{about['interface_energy_defect']:.3g} J net at the interface, "
-        f"{about['interface_energy_share']:.2g} of the energy exchanged",
+        f"{about['interface_energy_defect']:.3g} J net, "
+        f"{about['interface_energy_share']:.2g} of the work exchanged",
     )
     parts: list[Table | Text] = [wheel_table(summary), facts]
     if not about["complete"]:

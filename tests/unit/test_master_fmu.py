@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from rail_cosim.builder import Recipe, build_one, built_fmu, source_hash
+from fmpy.ssp.ssd import find_components, read_ssd
+from rail_cosim.builder import SSP_NAME, Recipe, build, build_one, built_fmu, source_hash
 from rail_cosim.cache import VARIABLE, is_plain, plain_directory
 from rail_cosim.description import read_description
 from rail_cosim.errors import BuildError, FmuFileError, RailCosimError
@@ -432,6 +433,26 @@ def test_an_fmu_is_built_anew_only_when_its_sources_change(cache, tmp_path, monk
     assert built_fmu(recipe) == first
     assert len(built) == 2
     assert "made_package" not in sys.modules
+
+
+def test_build_makes_both_fmus_and_the_system(cache, tmp_path, monkeypatch):
+    monkeypatch.setattr("rail_cosim.builder.RECIPES", RECIPES)
+    files = build(tmp_path / "out")
+    assert [path.name for path in files] == ["MiniVehicle.fmu", "MiniTrack.fmu", SSP_NAME]
+    ssd = read_ssd(files[2])
+    assert {c.name for c in find_components(ssd.system)} == {"vehicle", "track"}
+    first = [path.read_bytes() for path in files]
+    assert [path.read_bytes() for path in build(tmp_path / "out")] == first
+
+
+def test_the_master_loads_nothing_that_an_fmu_carries(python):
+    script = """
+        import sys
+        import rail_cosim.builder, rail_cosim.cli, rail_cosim.runner
+        carried = ("rail_fmi", "rail_quantities", "rail_vehicle", "slab_track", "pythonfmu")
+        print([name for name in carried if name in sys.modules])
+    """
+    assert python(script).strip() == "[]"
 
 
 def test_a_module_that_is_not_installed_is_named():

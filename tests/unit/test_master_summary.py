@@ -162,6 +162,15 @@ def test_a_wheel_without_a_record_is_left_out():
     assert dominant_frequency(time, values) == pytest.approx(SPEED / BAY, rel=0.01)
 
 
+def test_a_vehicle_without_its_position_has_run_speed_times_time(tmp_path):
+    data = made_run()
+    found, without = summarise(data), summarise(data.drop_vars("distance"))
+    assert without.range.periods == found.range.periods
+    assert without.force_sleeper == pytest.approx(found.force_sleeper, rel=1e-6)
+    plot_run(data.drop_vars("distance"), without, tmp_path / "run.svg")
+    assert "</svg>" in (tmp_path / "run.svg").read_text()
+
+
 def test_a_run_of_one_record_cannot_be_summarised():
     with pytest.raises(ValueError, match="fewer than two records"):
         summarise(made_run().isel(time=slice(0, 1)))
