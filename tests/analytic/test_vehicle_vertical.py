@@ -36,8 +36,10 @@ def receptance(mass, damping, stiffness, frequency):
 @pytest.mark.parametrize(
     ("frequency", "tolerance"),
     # At 2 Hz levers of the longitudinal suspension and the toppling weight take part.
-    [(2.0, 0.07), (10.0, 3e-3), (17.0, 5e-3), (28.0, 0.02), (44.2, 3e-3)]
-    + [(60.0, 3e-4), (88.0, 1e-4), (132.0, 1e-5), (150.0, 1e-5), (500.0, 1e-5)],
+    [
+        *((2.0, 0.07), (10.0, 3e-3), (17.0, 5e-3), (28.0, 0.02), (44.2, 3e-3)),
+        *((60.0, 3e-4), (88.0, 1e-4), (132.0, 1e-5), (150.0, 1e-5), (500.0, 1e-5)),
+    ],
 )
 def test_wheelsets_answer_vertical_forces_as_in_the_article(frequency, tolerance):
     """Beyond the bogies' resonances, where sleepers pass, nothing but Table 2 is felt."""

@@ -178,9 +178,7 @@ def test_creepages_from_the_kinematics(side, i):
     approach, angle = FORCES[side][i][3], ANGLE[side][i]
     arm_y = (LATERAL[side][i] - 0.5 * i - math.sin(angle) * approach) * MM
     arm_z = R + (DOWN[side][i] + math.cos(angle) * approach - HEIGHT_UNDER_LOAD[side][i]) * MM
-    *found, _ = creepages(
-        motion, np.zeros(6), AHEAD[side][i] * MM, arm_y, arm_z, 0.0, 0.0, angle
-    )
+    *found, _ = creepages(motion, np.zeros(6), AHEAD[side][i] * MM, arm_y, arm_z, 0.0, 0.0, angle)
     xi, eta, phi = CREEPAGE[side][i]
     assert -found[0] == pytest.approx(xi, abs=2e-6, rel=2e-3)
     assert -found[1] == pytest.approx(eta, abs=2e-6, rel=5e-3)
@@ -200,8 +198,26 @@ def test_forces_of_hertz_and_fastsim(geometry, side, i):
         normal, a, b, *kalker_coefficients(a / b, NU), G, MU, -xi, -eta, -phi / MM, 12, 10
     )
     # On the flange of a wheelset yawed by 16 mrad CONTACT's patch is skew, no ellipse.
-    share = 0.03 if i < 13 or side == LEFT else 0.07
+    share = 0.01 if i < 13 or side == LEFT else 0.03
     assert -found[0] / (MU * normal) == pytest.approx(f_x, abs=share)
     assert -found[1] / (MU * normal) == pytest.approx(f_s, abs=share)
-    assert ellipse.approach == pytest.approx(approach * MM, rel=0.1)
-    assert ellipse.peak_pressure == pytest.approx(pressure * 1e6, rel=0.1)
+    assert ellipse.approach == pytest.approx(approach * MM, rel=0.02)
+    assert ellipse.peak_pressure == pytest.approx(pressure * 1e6, rel=0.03)
+
+
+def test_standard_head_differs_from_the_benchmarks():
+    """Why the benchmark needs its own rail: its joint of R300 and R80 is 0.27 mm further out."""
+    crown = np.linspace(-0.034, 0.0, 200)
+    standard, distributed = load_profile("rail", "60E1"), load_profile("rail", "60E1_manchester")
+    difference = np.abs(standard.derivative(crown) - distributed.derivative(crown))
+    assert 0.03e-3 < difference.max() < 0.05e-3
+    # Points of the distributed file (inclined, mm), turned back by 1:40 about the crown's centre.
+    angle = math.atan(1 / 40)
+    points = ((-30.741203, 2.3457035), (-24.851293, 1.2508890), (-15.209698, 0.38610868),
+              (8.5595366, 0.26351206), (14.478761, 0.95760114), (22.228608, 3.0728493))  # fmt: skip
+    for y, z in points:
+        lateral = math.cos(angle) * y - math.sin(angle) * (z - 300.0)
+        height = math.sin(angle) * y + math.cos(angle) * (z - 300.0) + 300.0
+        # The file's own origin lies 6 um beside the crown.
+        found = float(distributed.derivative((lateral - 0.006) * MM))
+        assert found == pytest.approx(height * MM, abs=0.6e-6)

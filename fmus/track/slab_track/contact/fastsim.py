@@ -16,6 +16,14 @@ trailing edge, where slip begins, is resolved, and the quadrature over y converg
 faster than with equal strips. 12 x 10 cells are within 0.9 % of :func:`closed_form`
 from tau = 0.05 to full slip, where 12 x 10 equal ones err by 3 %.
 
+In a slipping column the traction must oppose the slip ``w - L dp/dx``. With different
+flexibilities that is not the direction of the adhesive traction ``p'``, by which FASTSIM
+is usually scaled down: Coulomb's law in the step is ``p_i (1 + k / L_i) = p'_i`` with
+the slip per traction k, so ``p`` is along ``p'_x (1 + k / L_2), p'_y (1 + k / L_1)``. Here k
+is taken from the excess ``|p'| / (mu p_z) - 1`` and the mean of ``1/L``: exact for one
+direction or equal flexibilities, otherwise good to the square of the difference of the
+``L_i``. In full slip forces then oppose the creepage (plain scaling turns them by up to 7 deg).
+
 References
 ----------
 J. J. Kalker, A fast algorithm for the simplified theory of rolling contact,
@@ -66,6 +74,8 @@ def fastsim(
     slip_y = eta * scale * c22 / c11
     spin = phi * 4.0 * shear_modulus * c23 / (math.pi * math.sqrt(a / b) * bound)
     spin_a, spin_b = spin * a, spin * b
+    stiffer = math.sqrt(c22 / c11)
+    softer = 1.0 / stiffer
     force_x = force_y = moment = 0.0
     d_theta, d_psi = math.pi / strips, math.pi / columns
     turn_c, turn_s = math.cos(d_psi), math.sin(d_psi)
@@ -85,7 +95,11 @@ def fastsim(
             limit = (half - x) * (half + x)
             square = p_x * p_x + p_y * p_y
             if square > limit * limit:
-                reduction = limit / math.sqrt(square)
+                # Onto the bound, in the direction of the slip.
+                excess = math.sqrt(square) / limit - 1.0
+                p_x *= 1.0 + excess * stiffer
+                p_y *= 1.0 + excess * softer
+                reduction = limit / math.sqrt(p_x * p_x + p_y * p_y)
                 p_x *= reduction
                 p_y *= reduction
             sum_x += p_x * sine
