@@ -93,10 +93,15 @@ def less_static(forces: Array, static: float) -> Array:
 
 @njit(cache=True)
 def evaluate(
-    vector: Array, forces: Array, acceleration: float, signals: Array, constants: Array, law: Array
-) -> Array:
-    """Join the state with contact forces less static, acceleration, internal forces, (145,)."""
-    result = np.zeros(RESULT_COUNT)
+    vector: Array,
+    forces: Array,
+    acceleration: float,
+    signals: Array,
+    constants: Array,
+    law: Array,
+    result: Array,
+) -> None:
+    """Write state, contact forces less static, acceleration, internal forces to (145,)."""
     copy_into(result, 0, vector)
     copy_into(result, VECTOR_COUNT, less_static(forces, constants[2]))
     result[VECTOR_COUNT + FORCE_COUNT] = acceleration
@@ -111,7 +116,6 @@ def evaluate(
         law,
         result[VECTOR_COUNT + FORCE_COUNT + 1 :],
     )
-    return result
 
 
 @njit(cache=True)
@@ -229,7 +233,8 @@ def advance(
     feedback: Array,
     constants: Array,
     law: Array,
-) -> tuple[Array, bool]:
+    result: Array,
+) -> bool:
     """Advance by ``count`` steps of length ``step``.
 
     Parameters
@@ -248,16 +253,16 @@ def advance(
         and the vertical force of a wheelset at rest in N.
     law
         Constants of the non-linear elements.
+    result
+        Written as by :func:`evaluate` at the end, shape (145,).
 
     Returns
     -------
-    result
-        As :func:`evaluate` at the end, shape (145,).
-    good
+    bool
         Whether the internal forces were found in every step and all is finite.
     """
     state = vector.copy()
-    result = evaluate(state, end, acceleration, signals, constants, law)
+    evaluate(state, end, acceleration, signals, constants, law, result)
     inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
     inputs[3 * FORCE_COUNT] = acceleration
     copy_into(inputs, 3 * FORCE_COUNT + 1, result[VECTOR_COUNT + FORCE_COUNT + 1 :])
@@ -275,4 +280,4 @@ def advance(
     copy_into(result, VECTOR_COUNT + FORCE_COUNT + 1, inputs[3 * FORCE_COUNT + 1 :])
     for value in result:
         good &= math.isfinite(value)
-    return result, good
+    return good

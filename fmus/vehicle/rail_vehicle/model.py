@@ -16,6 +16,7 @@ from rail_vehicle.kernel import (
     PITCH_ANGLES,
     PITCH_RATES,
     POSITION,
+    RESULT_COUNT,
     SPEED,
     VECTOR_COUNT,
     advance,
@@ -209,8 +210,15 @@ class VehicleModel:
         ``forces`` are the contact forces, shape (4, 6); ``acceleration`` is that of the
         car body along the line in m/s2.
         """
-        result = evaluate(
-            state.vector, _flat(forces), acceleration, self._signals, self._constants, self._law
+        result = np.empty(RESULT_COUNT)
+        evaluate(
+            state.vector,
+            _flat(forces),
+            acceleration,
+            self._signals,
+            self._constants,
+            self._law,
+            result,
         )
         return VehicleOutputs(self._outputs(result), self._index)
 
@@ -255,7 +263,8 @@ class VehicleModel:
         acceleration = self._acceleration(state.speed, speed_setpoint, dt)
         count = max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
         operators = self._operators[dt / count]
-        result, good = advance(
+        result = np.empty(RESULT_COUNT)
+        good = advance(
             state.vector,
             _flat(force_start),
             _flat(force_end),
@@ -269,6 +278,7 @@ class VehicleModel:
             operators.feedback,
             self._constants,
             self._law,
+            result,
         )
         if not good:
             raise StepError(

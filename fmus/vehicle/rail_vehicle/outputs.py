@@ -120,7 +120,9 @@ class OutputMap:
 
     def __call__(self, result: Array) -> Array:
         """Return the outputs' values, shape (number of outputs,)."""
-        return _sparse_rows(self.offsets, self.values, self.columns, self.row_starts, result)
+        outputs = self.offsets.copy()
+        _add_sparse_rows(self.values, self.columns, self.row_starts, result, outputs)
+        return outputs
 
 
 def make_output_map(
@@ -252,17 +254,15 @@ def _damper_forces(rows: _Rows) -> Iterator[_Entry]:
 
 
 @njit(cache=True)
-def _sparse_rows(
-    offsets: Array,
+def _add_sparse_rows(
     values: Array,
     columns: NDArray[np.int32],
     row_starts: NDArray[np.int32],
     vector: Array,
-) -> Array:
-    result = offsets.copy()
-    for row in range(offsets.size):
+    result: Array,
+) -> None:
+    for row in range(result.size):
         total = 0.0
         for place in range(row_starts[row], row_starts[row + 1]):
             total += values[place] * vector[columns[place]]
         result[row] += total
-    return result
