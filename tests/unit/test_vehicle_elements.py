@@ -77,3 +77,18 @@ def test_car_body_moving_right_is_pushed_back():
     assert outputs["lateral_bump_stop[2].force"] == pytest.approx(stop)
     expected = -(2.0 * damper + 2.0 * stop + springs) / 44039.0
     assert outputs["car_body.lateral_acceleration"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_elements_act_at_their_places():
+    """Elongation per coordinate by hand: heights, half-spans and the bogies' distance."""
+    elongation = -VehicleModel(PAPER).linear_system().element_matrix.T
+    car_pitch, car_roll, car_yaw, frame_roll, frame_yaw = 4, 3, 5, 9, 11
+    yaw_left, yaw_right, damper_ahead, damper_behind, stop_ahead = 0, 1, 4, 5, 6
+    assert elongation[yaw_left, car_pitch] == pytest.approx(1.71 - 0.50)
+    assert elongation[yaw_left, car_yaw] == pytest.approx(1.35)
+    assert elongation[yaw_right, frame_yaw] == pytest.approx(1.35)
+    for element in (damper_ahead, stop_ahead):
+        assert elongation[element, car_roll] == pytest.approx(-(1.71 - 0.74))
+        assert elongation[element, frame_roll] == pytest.approx(-(0.74 - 0.50))
+        assert elongation[element, car_yaw] == pytest.approx(8.9)
+    assert elongation[damper_behind, car_yaw] == pytest.approx(-8.9)
