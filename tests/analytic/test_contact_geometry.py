@@ -25,7 +25,7 @@ def cone_wheel():
 
 
 def hollow_wheel(radius):
-    """A concave arc, lowest towards the flange, centred below the rolling circle."""
+    """Return a concave arc, lowest towards the flange, centred below the rolling circle."""
     piece = ArcPiece(
         start=-0.05, end=0.06, centre_y=0.05 * radius, centre_z=radius, radius=radius, side=-1.0
     )
