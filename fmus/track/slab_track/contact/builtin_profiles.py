@@ -5,7 +5,7 @@ Sources: wheel S1002 of EN 13715 (pieces A to H); rail heads of EN 13674-1
 flank of 1:20. ``60E1_manchester`` is the head that the Manchester contact
 benchmark distributes under the name UIC60: the same arcs with the joint of
 R300 and R80 at 10.5 mm, recovered from its published points (it reproduces
-them within 0.3 um on the running surface).
+them within 0.2 um).
 """
 
 import math

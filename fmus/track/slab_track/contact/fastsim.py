@@ -22,7 +22,8 @@ is usually scaled down: Coulomb's law in the step is ``p_i (1 + k / L_i) = p'_i`
 the slip per traction k, so ``p`` is along ``p'_x (1 + k / L_2), p'_y (1 + k / L_1)``. Here k
 is taken from the excess ``|p'| / (mu p_z) - 1`` and the mean of ``1/L``: exact for one
 direction or equal flexibilities, otherwise good to the square of the difference of the
-``L_i``. In full slip forces then oppose the creepage (plain scaling turns them by up to 7 deg).
+``L_i``. In full slip forces then oppose the creepage; plain scaling turns them, by
+6 deg at a/b = 0.5.
 
 References
 ----------
