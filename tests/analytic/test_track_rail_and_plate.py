@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 from slab_track.assembly import assemble
-from slab_track.parameters import Contact, Fastener, Rail, Slab, SlabSupport, TrackParameters, Window
+from slab_track.parameters import (
+    Contact,
+    Fastener,
+    Rail,
+    Slab,
+    SlabSupport,
+    TrackParameters,
+    Window,
+)
 from slab_track.plate import free_plate_modes, seat_compliance
 from slab_track.rail import static_flexibility, timoshenko_modes, vertical_modes
 from slab_track.statics import static_coordinates

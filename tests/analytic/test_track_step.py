@@ -200,7 +200,9 @@ def test_least_squares_slide_is_the_minimum_of_equation_11():
     )
     points = sample_points(length, 90)
     phi = np.sin(np.outer(points, rail.wave_number))
-    target = np.sin(np.outer(points + shift, rail.wave_number)) * (points + shift <= length)[:, None]
+    target = (
+        np.sin(np.outer(points + shift, rail.wave_number)) * (points + shift <= length)[:, None]
+    )
     expected = np.linalg.lstsq(phi, target, rcond=None)[0]
     np.testing.assert_allclose(operator.deflection, expected, atol=1e-9)
 

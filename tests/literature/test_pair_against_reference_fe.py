@@ -51,8 +51,13 @@ def _compare(case, distance, tolerance, **rail):
     np.testing.assert_allclose(box, case["wheelset_acceleration_amplitude"], rtol=tolerance)
 
 
-QUICK = {("single_wheel", 300.0, 40e6), ("single_wheel", 170.0, 140e6), ("vehicle", 300.0, 40e6),
-         ("vehicle", 200.0, 140e6), ("vehicle", 170.0, 140e6)}
+QUICK = {
+    ("single_wheel", 300.0, 40e6),
+    ("single_wheel", 170.0, 140e6),
+    ("vehicle", 300.0, 40e6),
+    ("vehicle", 200.0, 140e6),
+    ("vehicle", 170.0, 140e6),
+}
 
 
 def _quick(case):
@@ -66,9 +71,7 @@ def test_amplitudes_below_500_hz(case):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "case", [c for c in CASES if c["steady"] and not _quick(c)], ids=_name
-)
+@pytest.mark.parametrize("case", [c for c in CASES if c["steady"] and not _quick(c)], ids=_name)
 def test_all_amplitudes_below_500_hz(case):
     _compare(case, 50.32 if case["pad_damping"] > 2e4 else 120.768, 0.01)
 

@@ -40,9 +40,7 @@ def dense_track(p: TrackParameters) -> DenseTrack:
     slab_k = plate.omega_squared + foundation / area_mass
     slab_c = 2 * p.slab.damping_ratio * np.sqrt(plate.omega_squared) + dashpot / area_mass
     size = 2 * n_rail + slabs * n_slab
-    stiffness = np.diag(
-        np.concatenate([rail.omega_squared.ravel()] * 2 + [slab_k] * slabs)
-    )
+    stiffness = np.diag(np.concatenate([rail.omega_squared.ravel()] * 2 + [slab_k] * slabs))
     damping = np.diag(np.concatenate([np.zeros(2 * n_rail)] + [slab_c] * slabs))
     for i in range(p.fastener_count):
         x = (i + 0.5) * p.fastener.spacing

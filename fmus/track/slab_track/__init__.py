@@ -8,5 +8,13 @@ from slab_track.model import TrackModel, TrackOutputs, TrackState
 from slab_track.parameters import TrackParameters
 from slab_track.presets import HD, LINES, ZX
 
-__all__ = ["HD", "LINES", "ZX", "TrackError", "TrackModel", "TrackOutputs", "TrackParameters",
-           "TrackState"]
+__all__ = [
+    "HD",
+    "LINES",
+    "ZX",
+    "TrackError",
+    "TrackModel",
+    "TrackOutputs",
+    "TrackParameters",
+    "TrackState",
+]

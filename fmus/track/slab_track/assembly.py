@@ -129,7 +129,7 @@ class LinearTrack(NamedTuple):
     def fastener_residual(self, symmetry: int) -> np.ndarray:
         """Return the static compliance of all modes left out at the fasteners, (P, P), m/N."""
         first = self.rail.wave_number.size
-        index, sign = _fold_table(first + self.residual_flexibility.size, self.fastener_count)
+        index, sign = fold_table(first + self.residual_flexibility.size, self.fastener_count)
         classes = np.zeros(self.fastener_count)
         np.add.at(classes, index[first:], self.residual_flexibility * sign[first:] ** 2)
         return self._over_fasteners(classes, self.slabs[symmetry].residual)
@@ -140,7 +140,7 @@ class LinearTrack(NamedTuple):
         return rail + np.kron(np.eye(self.slab_count), block)
 
 
-def _fold_table(mode_count: int, fastener_count: int) -> tuple[np.ndarray, np.ndarray]:
+def fold_table(mode_count: int, fastener_count: int) -> tuple[np.ndarray, np.ndarray]:
     """Row and sign that sin(k pi (i-1/2)/P) takes among the first P wave numbers."""
     k = np.arange(1, mode_count + 1)
     turn, rest = np.divmod(k, 2 * fastener_count)
@@ -208,7 +208,7 @@ def _positive(compliance: np.ndarray) -> np.ndarray:
 def assemble(parameters: TrackParameters) -> LinearTrack:
     """Build the linear track of a window from its parameters."""
     count = parameters.fastener_count
-    index, sign = _fold_table(parameters.rail.mode_count, count)
+    index, sign = fold_table(parameters.rail.mode_count, count)
     kappa, i = np.arange(1, count + 1), np.arange(1, count + 1)
     length, modes = parameters.window_length, parameters.rail.mode_count
     finest = max(FINEST_WAVES_PER_BAY * count, 2 * modes)

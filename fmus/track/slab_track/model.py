@@ -13,7 +13,7 @@ import numpy as np
 from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.errors import TrackError
-from slab_track.motion import MotionHistory
+from slab_track.motion import MOTION, MotionHistory
 from slab_track.parameters import TrackParameters
 from slab_track.slide import SlideOperator, slide_operator, slide_rail, slide_rows
 from slab_track.stepping import (
@@ -117,9 +117,14 @@ class TrackModel:
         )
 
     def prepare(self) -> None:
-        """Compute now what the first step and the first slide would compute."""
+        """Compute and compile now what the first step and the first slide would."""
         if self.parameters.window.method == "sliding":
             _ = self.slide
+        motion = np.zeros((self.parameters.wheelset_count, len(MOTION)))
+        motion[:, 0] = self.default_positions()
+        state = self.initial_state(motion)
+        no_force = np.zeros((motion.shape[0], 2))
+        self.step(state, motion, self.parameters.integration.maximum_step, applied_force=no_force)
 
     # -- start ---------------------------------------------------------------
 
@@ -191,7 +196,9 @@ class TrackModel:
         """Return an initial state with other heights of the wheelsets and their forces."""
         heights = self._wheel_heights(state.datum, motion[None, :, :5])[0]
         penetration = heights - state.rail_deflection
-        force = np.array([[hertz_force(d, self.hertz_constant) for d in row] for row in penetration])
+        force = np.array(
+            [[hertz_force(d, self.hertz_constant) for d in row] for row in penetration]
+        )
         if self.parameters.interface == "applied_force":
             force = np.zeros_like(force)
         return state._replace(
@@ -306,9 +313,9 @@ class TrackModel:
         rear, front = float(x.min()), float(x.max())
         end = state.window_start + p.window_length
         if rear < state.window_start + END_MARGIN or front > end - END_MARGIN:
+            wheel = front if front > end - END_MARGIN else rear
             raise TrackError(
-                f"at t = {state.time:g} s a wheel at {front if front > end - END_MARGIN else rear:g}"
-                f" m comes within {END_MARGIN:g} m of the ends of the window, "
+                f"at t = {state.time:g} s a wheel at {wheel:g} m comes within {END_MARGIN:g} m of the ends of the window, "
                 f"{state.window_start:g} m to {end:g} m (window.method = {p.window.method}); "
                 "take window.method = sliding for a long run, or raise window.slab_count"
             )
@@ -344,7 +351,8 @@ class TrackModel:
         shapes_old, shapes_new = self._residual_shapes
         weight = self.linear.rail.deflection
         jumps = [
-            np.sum(weight * after, axis=0) @ shapes_new - np.sum(weight * before, axis=0) @ shapes_old
+            np.sum(weight * after, axis=0) @ shapes_new
+            - np.sum(weight * before, axis=0) @ shapes_old
             for before, after in zip(old, new, strict=True)
         ]
         rails = np.sqrt(0.5) * np.array([jumps[0] - jumps[1], jumps[0] + jumps[1]])

@@ -67,9 +67,7 @@ class Fastener(ParameterSet):
         at_least=0.1,
         at_most=5.0,
     )
-    count_per_slab: int = quantity(
-        8, "1", "Fasteners per slab and rail", at_least=1, at_most=40
-    )
+    count_per_slab: int = quantity(8, "1", "Fasteners per slab and rail", at_least=1, at_most=40)
     vertical_stiffness: float = quantity(
         40e6, "N/m", "Vertical stiffness of one fastener", symbol="K_pv", above=0.0, nominal=40e6
     )

@@ -52,8 +52,7 @@ class PlateModes(NamedTuple):
 def _orthonormal(points: np.ndarray, degrees: int, derivative: int = 0) -> np.ndarray:
     """Orthonormal Legendre polynomials (or derivatives) on [-1, 1], shape (degrees, points)."""
     rows = [
-        legendre.legval(points, legendre.legder(np.eye(degrees)[i], derivative))
-        * np.sqrt(i + 0.5)
+        legendre.legval(points, legendre.legder(np.eye(degrees)[i], derivative)) * np.sqrt(i + 0.5)
         for i in range(degrees)
     ]
     return np.array(rows)

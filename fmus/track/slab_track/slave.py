@@ -29,11 +29,7 @@ class TrackSlave(RailSlave):
 
     MODEL_NAME = "InfiniteSlabTrack"
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
-        name: {
-            key: value
-            for key, (_, value) in flatten(line).items()
-            if key not in _RUN_SETTINGS
-        }
+        name: {key: value for key, (_, value) in flatten(line).items() if key not in _RUN_SETTINGS}
         for name, line in LINES.items()
     }
     description = "Endless slab track with wheel/rail contact"
@@ -42,10 +38,10 @@ class TrackSlave(RailSlave):
     def declare(self) -> Sequence[Variable]:
         """Return inputs, parameters and outputs."""
         return [
-            *names.inputs(),
+            *_inputs(),
             *parameter_variables(TrackParameters()),
-            *names.settings(),
-            *names.outputs(),
+            *_settings(),
+            *_outputs(),
         ]
 
     def initialize(self) -> None:
@@ -143,3 +139,96 @@ class TrackSlave(RailSlave):
             values[name] = kind(**{part: state[f"{name}.{part}"] for part in kind._fields})
         values["slide_count"] = int(values["slide_count"])
         self._state = TrackState(**values)
+
+
+def _inputs() -> list[Variable]:
+    """Return the input variables."""
+    motion = [
+        Variable(
+            f"wheelset[{i}].{name}",
+            causality="input",
+            unit=unit,
+            description=f"Wheelset {i}: {name.replace('_', ' ')}",
+        )
+        for i in names.NUMBERS
+        for name, unit in names.MOTION_UNITS.items()
+    ]
+    rail_head = [
+        Variable(
+            f"rail_head[{i}].{side}.{name}",
+            causality="input",
+            unit=unit,
+            description=f"{name.replace('_', ' ').capitalize()} on the {side} rail head under "
+            f"wheelset {i}; used with interface = applied_force",
+        )
+        for name, unit in names.RAIL_HEAD.items()
+        for i in names.NUMBERS
+        for side in names.SIDES
+    ]
+    return motion + rail_head
+
+
+def _settings() -> list[Variable]:
+    """Return the parameters of the interface."""
+    return [
+        Variable(
+            names.INPUT_TIME,
+            kind="string",
+            causality="parameter",
+            choices=("step_start", "step_end"),
+            description="Instant of the communication step that the inputs stand for",
+        )
+    ]
+
+
+def _outputs() -> list[Variable]:
+    """Return the output variables."""
+    contact = [
+        Variable(
+            f"wheelset[{i}].contact.{name}",
+            causality="output",
+            unit=unit,
+            description=f"Contact {name.replace('_', ' ')} on wheelset {i}, at its centre of mass",
+        )
+        for i in names.NUMBERS
+        for name, unit in names.CONTACT_UNITS.items()
+    ]
+    wheels = [
+        Variable(
+            f"wheelset[{i}].{side}.{name}", causality="output", unit=unit, description=description
+        )
+        for name, (unit, description) in names.WHEEL.items()
+        for i in names.NUMBERS
+        for side in names.SIDES
+    ]
+    heights = [
+        Variable(
+            f"wheelset[{i}].static_vertical_displacement",
+            causality="output",
+            unit="m",
+            description=f"Equilibrium height of wheelset {i} at the start above the datum, "
+            "downwards; constant during the run",
+        )
+        for i in names.NUMBERS
+    ]
+    window = [
+        Variable(
+            "window.start_position",
+            causality="output",
+            unit="m",
+            description="Rear end of the window on the line",
+        ),
+        Variable(
+            "window.slide_count",
+            kind="integer",
+            causality="output",
+            description="Slides of the window since the start",
+        ),
+        Variable(
+            "window.slide_residual",
+            causality="output",
+            unit="m",
+            description="Largest change of the rails' deflection by the last slide",
+        ),
+    ]
+    return contact + wheels + heights + window

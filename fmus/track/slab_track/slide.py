@@ -60,7 +60,7 @@ def slide_operator(
 
 def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
     """Solve eq. (11) for all right-hand sides through a QR factorisation."""
-    q, r = scipy.linalg.qr(phi, mode="economic")
+    q, r = np.linalg.qr(phi)
     return np.ascontiguousarray(scipy.linalg.solve_triangular(r, q.T @ target))
 
 

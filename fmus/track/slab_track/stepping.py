@@ -174,9 +174,7 @@ def _free_step(state, omega_squared, damping, weight, step):
             row = i if omega_squared.shape[0] > 1 else 0
             q_free = q[i, j] + step * v[i, j] + 0.25 * step * step * a[i, j]
             v_free = v[i, j] + 0.5 * step * a[i, j]
-            a_free = -weight[row, j] * (
-                damping[row, j] * v_free + omega_squared[row, j] * q_free
-            )
+            a_free = -weight[row, j] * (damping[row, j] * v_free + omega_squared[row, j] * q_free)
             q[i, j] = q_free + 0.25 * step * step * a_free
             v[i, j] = v_free + 0.5 * step * a_free
             a[i, j] = a_free
@@ -228,9 +226,7 @@ def _wheel_coupling(operator, positions):
         to_fasteners(operator.residual_kernel, bays[wheel], residual)
         for i in range(fasteners):
             deflection[wheel, i] = modal[i] + residual[i]
-            force[wheel, i] = (
-                operator.modal_gain * modal[i] + operator.residual_gain * residual[i]
-            )
+            force[wheel, i] = operator.modal_gain * modal[i] + operator.residual_gain * residual[i]
         for other in range(wheels):
             direct[wheel, other] = between(
                 operator.response_kernel, bays[wheel], bays[other]
@@ -344,8 +340,18 @@ def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
 
 
 @numba.njit(cache=True)
-def advance(symmetric, antisymmetric, state_s, state_a, positions, drive, force, applied,
-            hertz_constant, step):
+def advance(
+    symmetric,
+    antisymmetric,
+    state_s,
+    state_a,
+    positions,
+    drive,
+    force,
+    applied,
+    hertz_constant,
+    step,
+):
     """Advance the track through several internal steps, in place.
 
     Parameters

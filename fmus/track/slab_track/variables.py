@@ -1,6 +1,4 @@
-"""The track's FMI variables beside its parameters: names, units, meanings."""
-
-from rail_fmi import Variable
+"""Names, units and meanings of the track's inputs and outputs, in the order of its arrays."""
 
 from slab_track.motion import MOTION
 from slab_track.parameters import WHEELSET_LIMIT
@@ -9,9 +7,12 @@ NUMBERS = range(1, WHEELSET_LIMIT + 1)
 SIDES = ("left", "right")
 INPUT_TIME = "coupling.input_time"
 
-_MOTION_UNITS = dict(
-    zip(MOTION, ("m", "m", "m", "rad", "rad", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"),
-        strict=True)
+MOTION_UNITS = dict(
+    zip(
+        MOTION,
+        ("m", "m", "m", "rad", "rad", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"),
+        strict=True,
+    )
 )
 CONTACT_UNITS = {
     "longitudinal_force": "N",
@@ -52,96 +53,3 @@ def wheel_names(name: str, count: int) -> list[str]:
 def rail_head_names(name: str, count: int) -> list[str]:
     """Names of one force input of all rail heads, left first."""
     return [f"rail_head[{i}].{side}.{name}" for i in range(1, count + 1) for side in SIDES]
-
-
-def inputs() -> list[Variable]:
-    """Return the input variables."""
-    motion = [
-        Variable(
-            f"wheelset[{i}].{name}",
-            causality="input",
-            unit=unit,
-            description=f"Wheelset {i}: {name.replace('_', ' ')}",
-        )
-        for i in NUMBERS
-        for name, unit in _MOTION_UNITS.items()
-    ]
-    rail_head = [
-        Variable(
-            f"rail_head[{i}].{side}.{name}",
-            causality="input",
-            unit=unit,
-            description=f"{name.replace('_', ' ').capitalize()} on the {side} rail head under "
-            f"wheelset {i}; used with interface = applied_force",
-        )
-        for name, unit in RAIL_HEAD.items()
-        for i in NUMBERS
-        for side in SIDES
-    ]
-    return motion + rail_head
-
-
-def settings() -> list[Variable]:
-    """Return the parameters of the interface."""
-    return [
-        Variable(
-            INPUT_TIME,
-            kind="string",
-            causality="parameter",
-            choices=("step_start", "step_end"),
-            description="Instant of the communication step that the inputs stand for",
-        )
-    ]
-
-
-def outputs() -> list[Variable]:
-    """Return the output variables."""
-    contact = [
-        Variable(
-            f"wheelset[{i}].contact.{name}",
-            causality="output",
-            unit=unit,
-            description=f"Contact {name.replace('_', ' ')} on wheelset {i}, at its centre of mass",
-        )
-        for i in NUMBERS
-        for name, unit in CONTACT_UNITS.items()
-    ]
-    wheels = [
-        Variable(
-            f"wheelset[{i}].{side}.{name}", causality="output", unit=unit, description=description
-        )
-        for name, (unit, description) in WHEEL.items()
-        for i in NUMBERS
-        for side in SIDES
-    ]
-    heights = [
-        Variable(
-            f"wheelset[{i}].static_vertical_displacement",
-            causality="output",
-            unit="m",
-            description=f"Equilibrium height of wheelset {i} at the start above the datum, "
-            "downwards; constant during the run",
-        )
-        for i in NUMBERS
-    ]
-    window = [
-        Variable(
-            "window.start_position",
-            causality="output",
-            unit="m",
-            description="Rear end of the window on the line",
-        ),
-        Variable(
-            "window.slide_count",
-            kind="integer",
-            causality="output",
-            description="Slides of the window since the start",
-        ),
-        Variable(
-            "window.slide_residual",
-            causality="output",
-            unit="m",
-            description="Largest change of the rails' deflection by the last slide",
-        ),
-    ]
-    return contact + wheels + heights + window
