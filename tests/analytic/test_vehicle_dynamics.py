@@ -228,16 +228,21 @@ def test_gyroscopic_moments_follow_the_true_spin():
 
 
 def test_pitch_moment_spins_a_wheelset_and_nothing_else():
+    """Moment 292 s + 876 s (s - 1) N m over 0.1 s, which is 2 s + 6 s (s - 1) rad/s2."""
     model = VehicleModel(PAPER)
-    start, end = model.static_forces, model.static_forces
-    end[1, 4] = 292.0
+    start, end, bow = model.static_forces, model.static_forces, np.zeros((4, 6))
+    end[1, 4], bow[1, 4] = 292.0, 876.0
+    standing = model.initial_state(speed=0.0)
+    state, outputs = model.step(standing, start, end, 0.1, force_bow=bow)
+    # Integrals over s: 1 - 1 for the rate, 1/3 + 1/2 - 1 for the angle.
+    assert outputs["wheelset[2].pitch_rate"] == pytest.approx(0.0, abs=1e-15)
+    assert outputs["wheelset[2].pitch_angle"] == pytest.approx(-(0.1**2) / 6.0)
+    assert outputs["wheelset[1].pitch_rate"] == 0.0
+    assert not state.vector[:90].any()
     state, outputs = model.step(model.initial_state(), start, end, 0.1)
     spin = -PAPER.speed / 0.46
-    assert outputs["wheelset[2].pitch_rate"] == pytest.approx(spin + 0.5 * 0.1 * 292.0 / 146.0)
-    turned = spin * 0.1 + 292.0 / 146.0 * 0.1**2 / 6.0
-    assert outputs["wheelset[2].pitch_angle"] == pytest.approx(turned)
-    assert outputs["wheelset[1].pitch_rate"] == pytest.approx(spin)
-    assert not state.vector[:90].any()
+    assert outputs["wheelset[2].pitch_rate"] == pytest.approx(spin + 0.1, rel=1e-12)
+    assert outputs["wheelset[2].pitch_angle"] == pytest.approx(spin * 0.1 + 0.01 / 3.0, rel=1e-12)
 
 
 def test_speed_follows_a_ramp_and_the_bogies_lag_by_their_inertia():
