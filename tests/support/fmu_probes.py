@@ -149,9 +149,9 @@ def run_three(
     return rounds
 
 
-def save_and_run_twice(path: Path, before: int, count: int) -> dict[str, Any]:
+def save_and_run_twice(path: Path, before: int, count: int, **parameters: Any) -> dict[str, Any]:
     """Save the state after ``before`` steps, and run ``count`` steps from it, twice."""
-    driver = Driver(path).begin()
+    driver = Driver(path).begin(**parameters)
     driver.run(0, before)
     fmu = driver.host.fmu
     state = fmu.getFMUstate()

@@ -37,10 +37,16 @@ def test_three_instances_of_each_do_not_touch_each_other(fmus):
     assert not np.array_equal(first[3], first[4])
 
 
-@pytest.fixture(scope="module", params=["vehicle", "track"])
+@pytest.fixture(
+    scope="module",
+    params=[(name, instant) for name in BEFORE for instant in ("step_start", "step_end")],
+    ids=" ".join,
+)
 def saved(request, fmus):
-    path = getattr(fmus, request.param)
-    return request.param, path, fmus.call(save_and_run_twice, path, BEFORE[request.param], 100)
+    """Both meanings of the inputs' instant: the FMUs remember other values for each."""
+    name, instant = request.param
+    path, values = getattr(fmus, name), {"coupling.input_time": instant}
+    return name, path, fmus.call(save_and_run_twice, path, BEFORE[name], 100, **values)
 
 
 def test_restored_state_gives_the_same_bits(saved):

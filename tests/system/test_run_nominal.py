@@ -77,6 +77,7 @@ def test_the_way_is_covered_and_the_window_follows(nominal):
     assert len(nominal.slides) >= 11
     assert len(nominal.slides) == pytest.approx(100.0 / PITCH, abs=1.0)
     assert nominal.slides == pytest.approx(PITCH, abs=1e-9)
+    assert nominal["window_slide_count"][-1] == len(nominal.slides)
 
 
 def test_no_trace_of_the_slides_in_the_wheel_force(nominal, fmus, tmp_path):
