@@ -5,13 +5,16 @@ import pytest
 from pair import WholeVehicle, run_monolithic, run_staggered
 from rail_vehicle import VehicleModel, VehicleParameters
 from slab_track import TrackModel, TrackParameters
+from slab_track.contact import ContactParameters
 from slab_track.parameters import Integration, Rail, Window
 
+VERTICAL = ContactParameters(model="vertical")
 SPEED, DISTANCE, PITCH = 300 / 3.6, 15.0, 5.032
 
 
 def _pair():
     parameters = TrackParameters(
+        contact=VERTICAL,
         rail=Rail(mode_count=250),
         integration=Integration(maximum_step=5e-5),
         window=Window(method="moving_mass"),

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from slab_track.assembly import assemble
+from slab_track.contact import ContactParameters
 from slab_track.parameters import (
-    Contact,
     Fastener,
     Rail,
     Slab,
@@ -192,6 +192,7 @@ def test_euler_limit_of_the_winkler_deflection():
     spacing = 0.1
     parameters = _rigid_base(
         rail=Rail(shear_modulus=7.9e14),
+        contact=ContactParameters(model="vertical"),
         fastener=Fastener(
             spacing=spacing, count_per_slab=40, vertical_stiffness=40e6 * spacing / 0.629
         ),
@@ -231,7 +232,7 @@ def test_support_basis_only_changes_the_reference_area():
 
 
 def test_hertz_constant_of_a_worn_tread():
-    assert Contact().hertz_constant_used == pytest.approx(4.221e-8, rel=1e-3)
-    assert Contact(hertz_constant=5.131e-8).hertz_constant_used == 5.131e-8
-    force = (71.1e-6 / Contact().hertz_constant_used) ** 1.5
+    assert ContactParameters().hertz_constant_used == pytest.approx(4.221e-8, rel=1e-3)
+    assert ContactParameters(hertz_constant=5.131e-8).hertz_constant_used == 5.131e-8
+    force = (71.1e-6 / ContactParameters().hertz_constant_used) ** 1.5
     assert force == pytest.approx(69.21e3, rel=2e-3)

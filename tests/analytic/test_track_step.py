@@ -19,6 +19,13 @@ SMALL = TrackParameters(
 )
 
 
+def vertical(force):
+    """Vertical forces (2,) on both rail heads as the model takes them, (1, 2, 3)."""
+    load = np.zeros((1, 2, 3))
+    load[0, :, 1] = force
+    return load
+
+
 def deflection(track, q_rail, positions):
     """Deflection of a rail at positions in the window, from its modal coordinates."""
     return track.wave_shapes(positions).T @ np.sum(track.rail.deflection * q_rail, axis=0)
@@ -36,7 +43,7 @@ def _applied(parameters, force, x, steps, dt):
     state = model.initial_state(_motion(x))
     found = []
     for n in range(1, steps + 1):
-        state, out = model.step(state, _motion(x), dt, applied_force=force(n * dt)[None])
+        state, out = model.step(state, _motion(x), dt, applied_force=vertical(force(n * dt)))
         found.append(out.rail_deflection[0])
     return np.array(found), state
 
@@ -101,12 +108,12 @@ def test_energy_of_the_undamped_track_is_kept_by_free_vibration():
     model = TrackModel(parameters)
     state = model.initial_state(_motion(0.0))
     for n in range(60):
-        push = np.array([[4e4, 1e4]]) if n < 20 else np.zeros((1, 2))
+        push = vertical(np.array([4e4, 1e4]) if n < 20 else np.zeros(2))
         state, _ = model.step(state, _motion(0.0), 1e-4, applied_force=push)
         if n == 20:
             energy = field_energy(model.linear, state)
     for _ in range(2000):
-        state, _ = model.step(state, _motion(0.0), 1e-4, applied_force=np.zeros((1, 2)))
+        state, _ = model.step(state, _motion(0.0), 1e-4, applied_force=vertical(0.0))
     assert energy > 1.0
     assert field_energy(model.linear, state) == pytest.approx(energy, rel=1e-9)
 
@@ -119,11 +126,11 @@ def test_work_of_the_force_is_the_energy_of_the_undamped_track():
     )
     model = TrackModel(parameters)
     state = model.initial_state(_motion(0.0))
-    work, before, force = 0.0, np.zeros(2), np.zeros((1, 2))
+    work, before, force = 0.0, np.zeros(2), np.zeros(2)
     for n in range(1, 400):
-        new = np.array([[4e4, 1e4]]) * np.sin(np.pi * n / 400) ** 2
-        state, out = model.step(state, _motion(0.0), 1e-5, applied_force=new)
-        work += float(np.sum(0.5 * (force[0] + new[0]) * (out.rail_deflection[0] - before)))
+        new = np.array([4e4, 1e4]) * np.sin(np.pi * n / 400) ** 2
+        state, out = model.step(state, _motion(0.0), 1e-5, applied_force=vertical(new))
+        work += float(np.sum(0.5 * (force + new) * (out.rail_deflection[0] - before)))
         before, force = out.rail_deflection[0], new
     assert work > 1.0
     assert field_energy(model.linear, state) == pytest.approx(work, rel=1e-6)
@@ -134,7 +141,7 @@ def test_damping_only_takes_energy():
     state = model.initial_state(_motion(0.0))
     energies = []
     for n in range(400):
-        push = np.array([[4e4, 1e4]]) if n < 20 else np.zeros((1, 2))
+        push = vertical(np.array([4e4, 1e4]) if n < 20 else np.zeros(2))
         state, _ = model.step(state, _motion(0.0), 1e-4, applied_force=push)
         if n >= 20:
             energies.append(field_energy(model.linear, state))
@@ -212,7 +219,7 @@ def test_a_resting_pair_of_rails_stays_at_rest():
     model = TrackModel(TrackParameters(wheelset_count=1, interface="applied_force"))
     state = model.initial_state(_motion(0.13))
     before = state.rail_deflection.copy()
-    load = np.full((1, 2), model.parameters.static_wheel_load)
+    load = vertical(model.parameters.static_wheel_load)
     for _ in range(50):
         state, out = model.step(state, _motion(0.13), 1e-4, applied_force=load)
     np.testing.assert_allclose(out.rail_deflection, before, rtol=1e-6)

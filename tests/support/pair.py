@@ -77,7 +77,7 @@ def _begin(track: TrackModel, vehicle):
     count = track.parameters.wheelset_count
     state = vehicle.initial_state(np.zeros(count))
     rest = track.initial_state(vehicle.motion(state))
-    state = vehicle.initial_state(track.static_heights(rest))
+    state = vehicle.initial_state(rest.static_heights)
     return track.with_motion(rest, vehicle.motion(state)), state
 
 

@@ -100,8 +100,8 @@ def test_history_reproduces_a_cubic_and_falls_back_to_positions():
         return motion
 
     history = MotionHistory.begin(0.0, row(0.0)).push(0.1, row(0.1))
-    path = history.positions(np.array([0.15, 0.2]))
+    path = history.path(np.array([0.15, 0.2]))
     np.testing.assert_allclose(path[:, 0, 2], [cubic(0.15)[0][0], cubic(0.2)[0][0]], rtol=1e-12)
     bare = MotionHistory.begin(0.0, row(0.0, False)).push(0.1, row(0.1, False))
     slope = (cubic(0.1)[0][0] - cubic(0.0)[0][0]) / 0.1
-    assert bare.positions(np.array([0.2]))[0, 0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)
+    assert bare.path(np.array([0.2]))[0, 0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)

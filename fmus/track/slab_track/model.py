@@ -10,22 +10,36 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
+from slab_track.contact import Steel, build_tables
+from slab_track.contact.wheelset import (
+    ANGLE,
+    LATERAL_FORCE,
+    LONGITUDINAL_FORCE,
+    NORMAL_FORCE,
+    PENETRATION,
+)
+from slab_track.equilibrium import (
+    contact_at,
+    level_contact,
+    profile_equilibrium,
+    rails_at_rest,
+    unit_compliance,
+)
 from slab_track.errors import TrackError
+from slab_track.irregularity import Irregularity
+from slab_track.lateral import LateralTrack, assemble_lateral, lateral_operator
 from slab_track.motion import MOTION, MotionHistory
 from slab_track.parameters import TrackParameters
-from slab_track.slide import SlideOperator, slide_operator, slide_rail, slide_rows
-from slab_track.stepping import (
-    FieldState,
-    StepOperator,
-    advance,
-    hertz_force,
-    step_operator,
-)
+from slab_track.slide import SlideOperator, slide_operator
+from slab_track.stepping import APPLIED, PROFILES, VERTICAL, TrackOperator, WheelState, advance
+from slab_track.vertical import FieldState, step_operator
+from slab_track.window import END_MARGIN, check_margins, place_window, slide_fields
 
-END_MARGIN = 3.0
-"""Nearest that a wheel may come to an end of the window, m; there the hinge is felt."""
+_DERAILED = (
+    "a wheel left its rail: its lateral displacement or roll is beyond 14 mm or 20 mrad from the "
+    "rail's own, or its contact force could not be found (derailment)"
+)
 
 
 class TrackState(NamedTuple):
@@ -36,22 +50,26 @@ class TrackState(NamedTuple):
     time
         s.
     symmetric, antisymmetric
-        Field coordinates.
+        Vertical coordinates of both symmetry classes.
+    rails
+        Lateral and torsional coordinates, (2, 3, 3, N): rail, derivative, branch, wave number.
     history
         Wheelset motion at the last communication points.
-    normal_force, penetration, rail_deflection
-        At the wheels, shape (wheelsets, 2), left first; N, m, m.
+    wheels
+        Forces and rail motions at the wheels.
     fastener_force
-        Shape (P, 2), N, compression positive.
+        Vertical, (P, 2), N, symmetric and antisymmetric class, compression positive.
     window_start
         Position of the window's rear end on the line, m.
     slide_count
         Slides since the start.
     slide_residual
-        Largest deviation of the rails' deflection over the common part of the old
+        Largest deviation of the rails' vertical deflection over the common part of the old
         and the new window at the last slide, m.
     datum
-        Height of the wheels' lowest points at zero vertical displacement, m.
+        Height of the wheelsets above first touch at zero vertical displacement, m.
+    static_heights
+        Each wheelset's equilibrium height above the datum, (wheelsets,), m.
     internal_step
         Length of the last internal step, s.
     """
@@ -59,49 +77,91 @@ class TrackState(NamedTuple):
     time: float
     symmetric: FieldState
     antisymmetric: FieldState
+    rails: np.ndarray
     history: MotionHistory
-    normal_force: np.ndarray
-    penetration: np.ndarray
-    rail_deflection: np.ndarray
+    wheels: WheelState
     fastener_force: np.ndarray
     window_start: float
     slide_count: int
     slide_residual: float
     datum: float
+    static_heights: np.ndarray
     internal_step: float
+
+    @property
+    def normal_force(self) -> np.ndarray:
+        """Normal force of each wheel, (wheelsets, 2), N, left first."""
+        return self.wheels.forces[..., NORMAL_FORCE].sum(axis=2)
+
+    @property
+    def rail_deflection(self) -> np.ndarray:
+        """Vertical displacement of the rails under the wheels, (wheelsets, 2), m."""
+        return self.wheels.rail[:, :, 1]
 
 
 class TrackOutputs(NamedTuple):
-    """What the track answers.
+    """What the track answers; arrays of wheels have shape (wheelsets, 2), left first.
 
     Attributes
     ----------
     contact
-        Contact forces on the wheelsets, shape (wheelsets, 6), N and N.m.
-    normal_force, penetration, rail_deflection
-        At the wheels, shape (wheelsets, 2), left first.
+        Contact forces and moments on the wheelsets, shape (wheelsets, 6), N and N.m.
+    normal_force, longitudinal_creep_force, lateral_creep_force
+        Sums over the patches of a wheel, N.
+    penetration, contact_angle
+        Of the patch that carries most, m and rad.
+    rail_deflection, rail_lateral, rail_roll
+        Of the rail's axis vertically, of its head laterally (m), and its rotation (rad).
     """
 
     contact: np.ndarray
     normal_force: np.ndarray
+    longitudinal_creep_force: np.ndarray
+    lateral_creep_force: np.ndarray
     penetration: np.ndarray
+    contact_angle: np.ndarray
     rail_deflection: np.ndarray
+    rail_lateral: np.ndarray
+    rail_roll: np.ndarray
 
 
 class TrackModel:
     """Two rails on slabs in a window that slides along with the wheelsets."""
 
     def __init__(self, parameters: TrackParameters) -> None:
-        self.parameters = parameters
-        self.linear: LinearTrack = assemble(parameters)
-        self.half_distance = 0.5 * parameters.contact.rolling_circle_distance
-        self.hertz_constant = parameters.contact.hertz_constant_used
-        self._operators = functools.lru_cache(maxsize=8)(self._make_operators)
+        p = self.parameters = parameters
+        self.linear: LinearTrack = assemble(p)
+        self.lateral: LateralTrack = assemble_lateral(p)
+        self.irregularity = Irregularity(p.irregularity)
+        self.half_distance = 0.5 * p.contact.rolling_circle_distance
+        self.contact = build_tables(
+            p.contact,
+            gauge=p.rail.gauge,
+            gauge_measurement_depth=p.rail.gauge_measurement_depth,
+            cant=p.rail.cant,
+            rail_axis_depth=p.rail.axis_depth,
+            steel=Steel(
+                youngs_modulus=p.rail.youngs_modulus,
+                poisson_ratio=p.rail.poisson_ratio,
+            ),
+        )
+        self.interface = PROFILES if p.contact.model == "profiles" else VERTICAL
+        if p.interface == "applied_force":
+            self.interface = APPLIED
+        self._lateral_motion = p.rail.motion == "full"
+        self._operator = functools.lru_cache(maxsize=8)(self._make_operator)
 
-    def _make_operators(self, step: float) -> tuple[StepOperator, StepOperator]:
-        return (
-            step_operator(self.linear, step, SYMMETRIC),
-            step_operator(self.linear, step, ANTISYMMETRIC),
+    def _make_operator(self, step: float) -> TrackOperator:
+        return TrackOperator(
+            symmetric=step_operator(self.linear, step, SYMMETRIC),
+            antisymmetric=step_operator(self.linear, step, ANTISYMMETRIC),
+            lateral=lateral_operator(self.lateral, step),
+            contact=self.contact,
+            interface=self.interface,
+            lateral_motion=self._lateral_motion,
+            hertz_constant=self.parameters.contact.hertz_constant_used,
+            half_distance=self.half_distance,
+            step=step,
         )
 
     @functools.cached_property
@@ -123,8 +183,13 @@ class TrackModel:
         motion = np.zeros((self.parameters.wheelset_count, len(MOTION)))
         motion[:, 0] = self.default_positions()
         state = self.initial_state(motion)
-        no_force = np.zeros((motion.shape[0], 2))
-        self.step(state, motion, self.parameters.integration.maximum_step, applied_force=no_force)
+        motion[:, 2] = state.static_heights
+        self.step(
+            self.with_motion(state, motion),
+            motion,
+            self.parameters.integration.maximum_step,
+            applied_force=np.zeros((motion.shape[0], 2, 3)),
+        )
 
     # -- start ---------------------------------------------------------------
 
@@ -133,88 +198,89 @@ class TrackModel:
         offsets = np.array([0.0, 2.5, 17.8, 20.3])
         return self.parameters.initial_position - offsets[: self.parameters.wheelset_count]
 
-    def place_window(self, positions: np.ndarray) -> float:
-        """Return the window's start for wheelsets at ``positions`` (wheelsets,), m.
-
-        Slabs lie at whole multiples of the pitch on the line. The wheels are as far
-        from both ends as they can be at the worst instant between two slides; with
-        ``moving_mass`` they start as far back as they may.
-        """
-        p = self.parameters
-        rear, front = float(np.min(positions)), float(np.max(positions))
-        spare = p.window_length - (front - rear) - p.pitch
-        if spare < 2.0 * END_MARGIN:
-            raise TrackError(
-                f"the wheelsets stand {front - rear:g} m apart, but a window of "
-                f"{p.window_length:g} m takes at most "
-                f"{p.window_length - p.pitch - 2.0 * END_MARGIN:g} m; "
-                "raise window.slab_count"
-            )
-        margin = 0.5 * spare if p.window.method == "sliding" else min(0.5 * spare, 20.0)
-        return float(np.floor((rear - margin) / p.pitch) * p.pitch)
-
     def initial_state(self, motion: np.ndarray, time: float = 0.0) -> TrackState:
         """Return static equilibrium under ``static_wheel_load`` at the given wheelsets.
 
-        ``motion`` has shape (wheelsets, 11); of it only the longitudinal positions
-        enter the equilibrium. The forces returned belong to the heights in it.
+        ``motion`` has shape (wheelsets, 11). Its vertical displacements do not enter
+        the equilibrium; they only say where the wheelsets are when the run begins.
+
+        Raises
+        ------
+        TrackError
+            If the wheelsets do not fit into the window or stand beside the rails.
         """
         p, count = self.parameters, self.parameters.wheelset_count
-        start = self.place_window(motion[:, 0])
-        local = motion[:, 0] - start
-        load = np.full(count, np.sqrt(2.0) * p.static_wheel_load)
-        static = statics.static_coordinates(self.linear, local, load, SYMMETRIC)
-        state_s, state_a = self._rest(SYMMETRIC), self._rest(ANTISYMMETRIC)
-        state_s.rail[0], state_s.slab[0] = static.rail, static.slab
-        state_s.residual[:] = static.residual
-        deflection = np.repeat(np.sqrt(0.5) * static.deflection[:, None], 2, axis=1)
-        resting = deflection[:, 0] + self.hertz_constant * p.static_wheel_load ** (2.0 / 3.0)
-        datum = float(np.mean(resting))
+        start = place_window(p, motion[:, 0])
+        offsets = self._offsets(motion[None, :, 0])[0]
+        lateral = self.lateral if self._rails_move_sideways else None
+
+        def rest(force):
+            return rails_at_rest(self.linear, lateral, motion[:, 0] - start, force)
+
+        heights, force = np.zeros(count), np.zeros((count, 2, 3))
+        if p.static_wheel_load > 0.0:
+            heights, force = self._equilibrium(rest, motion, offsets)
+        rails = rest(force)
         state = TrackState(
             time=time,
-            symmetric=state_s,
-            antisymmetric=state_a,
+            symmetric=self._field(SYMMETRIC, rails.vertical[0]),
+            antisymmetric=self._field(ANTISYMMETRIC, rails.vertical[1]),
+            rails=np.zeros((2, 3, *rails.lateral.shape[1:])),
             history=MotionHistory.begin(time, motion),
-            normal_force=np.full((count, 2), p.static_wheel_load),
-            penetration=np.zeros((count, 2)),
-            rail_deflection=deflection,
-            fastener_force=np.repeat(np.sqrt(0.5) * static.fastener[:, None], 2, axis=1),
+            wheels=WheelState.empty(count)._replace(rail=rails.motion),
+            fastener_force=np.stack([solution.fastener for solution in rails.vertical], axis=1),
             window_start=start,
             slide_count=0,
             slide_residual=0.0,
-            datum=datum,
+            datum=float(np.mean(heights)),
+            static_heights=heights - np.mean(heights),
             internal_step=p.integration.maximum_step,
         )
+        state.rails[:, 0] = rails.lateral
         return self.with_motion(state, motion)
 
-    def static_heights(self, state: TrackState) -> np.ndarray:
-        """Return each wheelset's own equilibrium height above the datum, (wheelsets,), m."""
-        rest = self.hertz_constant * self.parameters.static_wheel_load ** (2.0 / 3.0)
-        return state.rail_deflection[:, 0] + rest - state.datum
+    def _equilibrium(self, rest, motion, offsets) -> tuple[np.ndarray, np.ndarray]:
+        """Heights of the wheelsets and forces on the rails under the static load."""
+        load, count = self.parameters.static_wheel_load, motion.shape[0]
+        if self.parameters.contact.model == "profiles":
+            compliance = unit_compliance(lambda force: rest(force).motion, count)
+            return profile_equilibrium(self.contact, compliance, motion, offsets, load)
+        force = np.zeros((count, 2, 3))
+        force[:, :, 1] = load
+        level = rest(force).motion[:, :, 1] + offsets[:, :, 0]
+        approach = self.parameters.contact.hertz_constant_used * load ** (2.0 / 3.0)
+        return level.mean(axis=1) + approach, force
+
+    @property
+    def _rails_move_sideways(self) -> bool:
+        return self._lateral_motion and self.interface != VERTICAL
+
+    def _touch(self, rows: np.ndarray, rails: np.ndarray, offsets: np.ndarray) -> WheelState:
+        """Contact on given rails; heights count from first touch."""
+        if self.parameters.contact.model == "vertical":
+            constant = self.parameters.contact.hertz_constant_used
+            return level_contact(rows, rails, offsets, self.half_distance, constant)
+        return contact_at(self.contact, rows, rails, offsets)
+
+    def _field(self, symmetry: int, static) -> FieldState:
+        rail = np.zeros((3, *static.rail.shape))
+        slab = np.zeros((3, *static.slab.shape))
+        rail[0], slab[0] = static.rail, static.slab
+        return FieldState(rail, slab, np.array([static.residual, static.residual]))
 
     def with_motion(self, state: TrackState, motion: np.ndarray) -> TrackState:
         """Return an initial state with other heights of the wheelsets and their forces."""
-        heights = self._wheel_heights(state.datum, motion[None, :, :5])[0]
-        penetration = heights - state.rail_deflection
-        force = np.array(
-            [[hertz_force(d, self.hertz_constant) for d in row] for row in penetration]
-        )
-        if self.parameters.interface == "applied_force":
-            force = np.zeros_like(force)
-        return state._replace(
-            history=MotionHistory.begin(state.time, motion),
-            penetration=penetration,
-            normal_force=force,
-        )
+        wheels = WheelState.empty(motion.shape[0])._replace(rail=state.wheels.rail.copy())
+        if self.interface != APPLIED:
+            rows = motion.copy()
+            rows[:, 2] += state.datum
+            wheels = self._touch(rows, state.wheels.rail, self._offsets(motion[None, :, 0])[0])
+        return state._replace(history=MotionHistory.begin(state.time, motion), wheels=wheels)
 
-    def _rest(self, symmetry: int) -> FieldState:
-        track = self.linear
-        modes = track.slabs[symmetry].omega_squared.size
-        return FieldState(
-            rail=np.zeros((3, 2, track.rail.wave_number.size)),
-            slab=np.zeros((3, track.slab_count, modes)),
-            residual=np.zeros((2, track.fastener_count)),
-        )
+    def _offsets(self, x: np.ndarray) -> np.ndarray:
+        """Irregularity at positions (steps, wheelsets) on the line, (steps, wheelsets, 2, 2)."""
+        offsets, _ = self.irregularity.evaluate(x.ravel())
+        return offsets.reshape(*x.shape, 2, 2)
 
     # -- running ---------------------------------------------------------------
 
@@ -240,123 +306,112 @@ class TrackModel:
         at_end
             True if ``motion`` stands for the end of the step, False for its start.
         applied_force
-            With ``interface = "applied_force"``: vertical forces on the rail heads,
-            shape (wheelsets, 2), N.
+            With ``interface = "applied_force"``: force on the rail heads, lateral, vertical
+            (N) and roll moment (N.m), shape (wheelsets, 2, 3).
 
         Raises
         ------
         TrackError
-            If a wheel leaves the window or the motion is not finite.
+            If a wheel leaves the window or the rail, or the motion is not finite.
         """
         if not np.all(np.isfinite(motion)):
             raise TrackError(f"a wheelset motion is not a finite number at t = {state.time:g} s")
         end = state.time + dt
         history = state.history.push(end if at_end else state.time, motion)
         substeps = max(1, int(np.ceil(dt / self.parameters.integration.maximum_step - 1e-9)))
-        times = state.time + dt / substeps * np.arange(1, substeps + 1)
-        path = history.positions(times)
-        state = self._follow(state, path[:, :, 0])
-        if self.parameters.interface == "applied_force":
-            if applied_force is None:
-                raise TrackError("interface = applied_force needs the forces at the rail heads")
-            drive = np.repeat(applied_force[None], substeps, axis=0)
-        else:
-            drive = self._wheel_heights(state.datum, path)
         internal = dt / substeps
+        path = history.path(state.time + internal * np.arange(1, substeps + 1))
+        state = self._follow(state, path[:, :, 0])
+        offsets = self._offsets(path[:, :, 0])
+        positions = path[:, :, 0] - state.window_start
+        path[:, :, 2] += state.datum
         symmetric = _copy(state.symmetric, internal / state.internal_step)
         antisymmetric = _copy(state.antisymmetric, internal / state.internal_step)
-        force, penetration, deflection, fasteners = advance(
-            *self._operators(internal),
+        rails = state.rails.copy()
+        wheels = WheelState(*(array.copy() for array in state.wheels))
+        made, fasteners = advance(
+            self._operator(internal),
             symmetric,
             antisymmetric,
-            path[:, :, 0] - state.window_start,
-            drive,
-            state.normal_force,
-            self.parameters.interface == "applied_force",
-            self.hertz_constant,
-            internal,
+            rails,
+            positions,
+            path,
+            offsets,
+            self._on_axis(applied_force, motion.shape[0]),
+            wheels,
         )
+        if made < substeps:
+            raise TrackError(
+                f"at t = {state.time + made * internal:g} s, {self._where(path, made)}"
+            )
         state = state._replace(
             time=end,
-            internal_step=internal,
             symmetric=symmetric,
             antisymmetric=antisymmetric,
+            rails=rails,
             history=history,
-            normal_force=force,
-            penetration=penetration,
-            rail_deflection=deflection,
+            wheels=wheels,
             fastener_force=fasteners,
+            internal_step=internal,
         )
         return state, self.outputs(state)
 
+    def _where(self, path: np.ndarray, step: int) -> str:
+        """Say what happened where, for the error after a failed internal step."""
+        worst = int(np.argmax(np.abs(path[step, :, 1]) + np.abs(path[step, :, 3])))
+        x, y, _, roll = path[step, worst, :4]
+        return (
+            f"wheelset {worst + 1} at {x:.3f} m (lateral displacement {y * 1e3:.2f} mm, roll "
+            f"{roll * 1e3:.2f} mrad): {_DERAILED}"
+        )
+
+    def _on_axis(self, head: np.ndarray | None, count: int) -> np.ndarray:
+        """Move forces from the rails' heads to their axes, (wheelsets, 2, 3)."""
+        if self.interface != APPLIED:
+            return np.zeros((count, 2, 3))
+        if head is None:
+            raise TrackError("interface = applied_force needs the forces at the rail heads")
+        axis = np.array(head, dtype=float)
+        axis[:, :, 2] += self.parameters.rail.axis_depth * axis[:, :, 0]
+        return axis
+
     def outputs(self, state: TrackState) -> TrackOutputs:
         """Return the contact forces on the wheelsets and what happens at the wheels."""
-        left, right = state.normal_force[:, 0], state.normal_force[:, 1]
-        contact = np.zeros((left.size, 6))
-        contact[:, 2] = -(left + right)
-        contact[:, 3] = self.half_distance * (left - right)
-        return TrackOutputs(contact, state.normal_force, state.penetration, state.rail_deflection)
-
-    def _wheel_heights(self, datum: float, path: np.ndarray) -> np.ndarray:
-        """Heights of the wheels' lowest points, (steps, wheelsets, 2), from (…, 5) positions."""
-        vertical, roll = path[:, :, 2], path[:, :, 3]
-        sides = np.array([-self.half_distance, self.half_distance])
-        return datum + vertical[..., None] + roll[..., None] * sides
+        wheels = state.wheels
+        main = np.argmax(wheels.forces[..., NORMAL_FORCE], axis=2)[..., None, None]
+        patch = np.take_along_axis(wheels.located, main, axis=2)[:, :, 0]
+        sums = wheels.forces.sum(axis=2)
+        rail = wheels.rail
+        return TrackOutputs(
+            contact=wheels.wheelset,
+            normal_force=sums[..., NORMAL_FORCE],
+            longitudinal_creep_force=sums[..., LONGITUDINAL_FORCE],
+            lateral_creep_force=sums[..., LATERAL_FORCE],
+            penetration=patch[..., PENETRATION],
+            contact_angle=patch[..., ANGLE],
+            rail_deflection=rail[..., 1],
+            rail_lateral=rail[..., 0] + self.parameters.rail.axis_depth * rail[..., 2],
+            rail_roll=rail[..., 2],
+        )
 
     def _follow(self, state: TrackState, x: np.ndarray) -> TrackState:
         """Slide the window until the wheels keep their margins; check that they do."""
         p = self.parameters
         if p.window.method == "sliding":
-            target = self.place_window(x[-1])
+            target = place_window(p, x[-1])
             while target > state.window_start + 0.5 * p.pitch:
                 state = self._slide_once(state)
-        rear, front = float(x.min()), float(x.max())
-        end = state.window_start + p.window_length
-        if rear < state.window_start + END_MARGIN or front > end - END_MARGIN:
-            wheel = front if front > end - END_MARGIN else rear
-            raise TrackError(
-                f"at t = {state.time:g} s a wheel at {wheel:g} m comes within {END_MARGIN:g} m of the ends of the window, "
-                f"{state.window_start:g} m to {end:g} m (window.method = {p.window.method}); "
-                "take window.method = sliding for a long run, or raise window.slab_count"
-            )
+        check_margins(p, state.window_start, state.time, x)
         return state
 
     def _slide_once(self, state: TrackState) -> TrackState:
-        old = state.symmetric.rail[0], state.antisymmetric.rail[0]
-        symmetric = self._slide_field(state.symmetric)
-        antisymmetric = self._slide_field(state.antisymmetric)
+        changes, residual = slide_fields(self.linear, self.lateral, self.slide, state)
         return state._replace(
-            symmetric=symmetric,
-            antisymmetric=antisymmetric,
-            fastener_force=slide_rows(state.fastener_force, self.linear.seat_count),
+            **changes,
             window_start=state.window_start + self.parameters.pitch,
             slide_count=state.slide_count + 1,
-            slide_residual=self._residual(old, (symmetric.rail[0], antisymmetric.rail[0])),
+            slide_residual=residual,
         )
-
-    def _slide_field(self, field: FieldState) -> FieldState:
-        rail = [slide_rail(self.linear.rail, self.slide, level) for level in field.rail]
-        slab = [slide_rows(level, 1) for level in field.slab]
-        residual = slide_rows(field.residual.T, self.linear.seat_count).T
-        return FieldState(np.array(rail), np.array(slab), np.ascontiguousarray(residual))
-
-    @functools.cached_property
-    def _residual_shapes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Shapes at points of the common part, seen from the old and the new window."""
-        p = self.parameters
-        old = np.arange(p.pitch, p.window_length, 0.5 * p.fastener.spacing)
-        return self.linear.wave_shapes(old), self.linear.wave_shapes(old - p.pitch)
-
-    def _residual(self, old: tuple, new: tuple) -> float:
-        shapes_old, shapes_new = self._residual_shapes
-        weight = self.linear.rail.deflection
-        jumps = [
-            np.sum(weight * after, axis=0) @ shapes_new
-            - np.sum(weight * before, axis=0) @ shapes_old
-            for before, after in zip(old, new, strict=True)
-        ]
-        rails = np.sqrt(0.5) * np.array([jumps[0] - jumps[1], jumps[0] + jumps[1]])
-        return float(np.max(np.abs(rails)))
 
 
 def _copy(field: FieldState, step_ratio: float) -> FieldState:
@@ -365,3 +420,6 @@ def _copy(field: FieldState, step_ratio: float) -> FieldState:
     if step_ratio != 1.0:
         before = now + step_ratio * (before - now)
     return FieldState(field.rail.copy(), field.slab.copy(), np.array([now, before]))
+
+
+__all__ = ["END_MARGIN", "TrackModel", "TrackOutputs", "TrackState"]

@@ -10,11 +10,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-POSITION_COLUMNS = slice(0, 5)
-"""x, y, z, roll, yaw in a motion row (see :data:`MOTION`)."""
-
 VELOCITY_COLUMNS = slice(5, 10)
-"""Their rates in the same order."""
+"""Rates of x, y, z, roll, yaw in a motion row (see :data:`MOTION`)."""
 
 MOTION = (
     "longitudinal_position",
@@ -65,9 +62,9 @@ class MotionHistory(NamedTuple):
             return self._replace(motion=motion.copy(), rates_seen=seen)
         return MotionHistory(time, self.time, motion.copy(), self.motion, seen)
 
-    def positions(self, times: np.ndarray) -> np.ndarray:
-        """Return x, y, z, roll, yaw at ``times``, shape (times, wheelsets, 5)."""
-        return _positions(
+    def path(self, times: np.ndarray) -> np.ndarray:
+        """Return motion rows at ``times``, shape (times, wheelsets, 11)."""
+        return _path(
             times - self.time,
             self.time - self.previous_time,
             self.motion,
@@ -77,9 +74,9 @@ class MotionHistory(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _positions(tau, span, motion, previous, rates_seen):
-    """Evaluate the polynomials at the times ``tau`` after the last point."""
-    path = np.empty((tau.size, motion.shape[0], 5))
+def _path(tau, span, motion, previous, rates_seen):
+    """Evaluate the polynomials and their rates at the times ``tau`` after the last point."""
+    path = np.empty((tau.size, motion.shape[0], 11))
     for wheelset in range(motion.shape[0]):
         for channel in range(5):
             now, rate = motion[wheelset, channel], motion[wheelset, channel + 5]
@@ -98,4 +95,10 @@ def _positions(tau, span, motion, previous, rates_seen):
             for n in range(tau.size):
                 t = tau[n]
                 path[n, wheelset, channel] = now + t * (rate + t * (quadratic + t * cubic))
+                path[n, wheelset, channel + 5] = rate + t * (2.0 * quadratic + 3.0 * t * cubic)
+        spin, slope = motion[wheelset, 10], 0.0
+        if span > 0.0:
+            slope = (spin - previous[wheelset, 10]) / span
+        for n in range(tau.size):
+            path[n, wheelset, 10] = spin + slope * tau[n]
     return path

@@ -9,6 +9,9 @@ import math
 
 from rail_quantities import ParameterError, ParameterSet, quantity
 
+from slab_track.contact.parameters import ContactParameters
+from slab_track.irregularity import IrregularityParameters
+
 WHEELSET_LIMIT = 4
 """Largest number of wheelset terminals."""
 
@@ -39,6 +42,77 @@ class Rail(ParameterSet):
         above=0.0,
         at_most=1.0,
     )
+    lateral_second_moment: float = quantity(
+        5.24e-6,
+        "m4",
+        "Second moment of area for lateral bending",
+        symbol="I_z",
+        above=0.0,
+        source="CHN60 section",
+    )
+    lateral_shear_coefficient: float = quantity(
+        0.4507,
+        "1",
+        "Timoshenko shear coefficient, lateral",
+        symbol="kappa_y",
+        above=0.0,
+        at_most=1.0,
+        source="usual value of the CHN60 section in vehicle/track models",
+    )
+    polar_second_moment: float = quantity(
+        3.741e-5,
+        "m4",
+        "Polar second moment of area, for the rotary inertia of torsion",
+        symbol="I_0",
+        above=0.0,
+        source="CHN60 section: sum of both second moments",
+    )
+    torsional_stiffness: float = quantity(
+        1.96e5,
+        "N.m2",
+        "Saint-Venant torsional stiffness",
+        symbol="G K",
+        above=0.0,
+        source="CHN60 section",
+    )
+    base_width: float = quantity(
+        0.150, "m", "Width of the rail base on the pad", above=0.0, source="CHN60 section"
+    )
+    axis_height: float = quantity(
+        0.081,
+        "m",
+        "Height of the rail's axis (centroid) above its base",
+        above=0.0,
+        source="CHN60 section",
+    )
+    axis_depth: float = quantity(
+        0.095,
+        "m",
+        "Depth of the rail's axis below the top of its head",
+        above=0.0,
+        source="CHN60 section: 176 mm high",
+    )
+    gauge: float = quantity(
+        1.435, "m", "Distance of the rails' inner faces", at_least=0.5, at_most=2.5
+    )
+    gauge_measurement_depth: float = quantity(
+        0.016,
+        "m",
+        "Depth below the heads at which the gauge is measured",
+        above=0.0,
+        at_most=0.03,
+        source="Chinese lines; European lines use 0.014",
+    )
+    cant: float = quantity(
+        0.025, "1", "Inclination of the rails towards the track's centre", at_least=0.0, at_most=0.1
+    )
+    motion: str = quantity(
+        "full",
+        "1",
+        "full: the rails bend vertically and laterally and twist; vertical: they are held "
+        "laterally and in roll",
+        choices=("full", "vertical"),
+    )
     mode_count: int = quantity(
         600,
         "1",
@@ -52,6 +126,11 @@ class Rail(ParameterSet):
         "1",
         "Add the static compliance of the rail modes left out, at fasteners and wheels",
     )
+
+    @property
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio of the rail steel from both moduli."""
+        return 0.5 * self.youngs_modulus / self.shear_modulus - 1.0
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -73,6 +152,24 @@ class Fastener(ParameterSet):
     )
     vertical_damping: float = quantity(
         52e3, "N.s/m", "Vertical damping of one fastener", symbol="C_pv", at_least=0.0, nominal=50e3
+    )
+    lateral_stiffness: float = quantity(
+        15e6,
+        "N/m",
+        "Lateral stiffness of one fastener at the rail base",
+        symbol="K_pl",
+        above=0.0,
+        nominal=15e6,
+        source="usual value of slab-track fasteners; not printed in the article",
+    )
+    lateral_damping: float = quantity(
+        50e3,
+        "N.s/m",
+        "Lateral damping of one fastener at the rail base",
+        symbol="C_pl",
+        at_least=0.0,
+        nominal=50e3,
+        source="usual value of slab-track fasteners; not printed in the article",
     )
 
 
@@ -185,37 +282,6 @@ class Window(ParameterSet):
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Contact(ParameterSet):
-    """Wheel/rail contact."""
-
-    GROUP = "contact"
-    hertz_constant: float = quantity(
-        0.0,
-        "m/N^(2/3)",
-        "Hertz constant of eq. (1); 0 takes 3.86e-8 R^-0.115, a worn tread of radius R",
-        symbol="G_H",
-        at_least=0.0,
-        at_most=1e-5,
-        source="worn tread formula: Zhai, Vehicle-Track Coupled Dynamics",
-    )
-    wheel_radius: float = quantity(
-        0.46, "m", "Nominal rolling radius of the wheels", symbol="R_w", above=0.0
-    )
-    rolling_circle_distance: float = quantity(
-        1.493,
-        "m",
-        "Lateral distance of the two rolling circles",
-        above=0.1,
-        source="Chinese standard-gauge lines",
-    )
-
-    @property
-    def hertz_constant_used(self) -> float:
-        """The constant of eq. (1) in m/N^(2/3), from the parameter or the radius."""
-        return self.hertz_constant or 3.86e-8 * self.wheel_radius**-0.115
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
 class Integration(ParameterSet):
     """Time integration inside the track."""
 
@@ -238,7 +304,8 @@ class TrackParameters(ParameterSet):
     slab: Slab = dataclasses.field(default_factory=Slab)
     slab_support: SlabSupport = dataclasses.field(default_factory=SlabSupport)
     window: Window = dataclasses.field(default_factory=Window)
-    contact: Contact = dataclasses.field(default_factory=Contact)
+    contact: ContactParameters = dataclasses.field(default_factory=ContactParameters)
+    irregularity: IrregularityParameters = dataclasses.field(default_factory=IrregularityParameters)
     integration: Integration = dataclasses.field(default_factory=Integration)
     static_wheel_load: float = quantity(
         69214.4,
@@ -331,6 +398,15 @@ class TrackParameters(ParameterSet):
                 "widen the slab or reduce contact.rolling_circle_distance",
             )
         self._check_samples()
+        rail = self.rail
+        if self.contact.model == "profiles" and not 0.0 <= rail.poisson_ratio < 0.5:
+            raise ParameterError(
+                "rail.shear_modulus",
+                rail.shear_modulus,
+                f"must be from {rail.youngs_modulus / 3:.4g} to {rail.youngs_modulus / 2:.4g} Pa "
+                "for this rail.youngs_modulus",
+                "Poisson's ratio E/(2 G) - 1 must lie between 0 and 0.5 for the contact",
+            )
 
     def _check_samples(self) -> None:
         count, modes = self.window.sample_count, self.rail.mode_count

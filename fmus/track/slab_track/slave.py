@@ -13,15 +13,17 @@ from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION, MotionHistory
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
-from slab_track.stepping import FieldState
-
-NOT_MODELLED = (
-    "this version models the vertical motion of rails and slabs and the normal contact force; "
-    "not modelled yet: lateral motion and torsion of the rails, wheel and rail profiles, creep "
-    "forces (their outputs are zero) and track irregularities (the line is smooth)"
-)
+from slab_track.stepping import WheelState
+from slab_track.vertical import FieldState
 
 _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
+
+_NESTED: dict[str, Any] = {
+    "symmetric": FieldState,
+    "antisymmetric": FieldState,
+    "history": MotionHistory,
+    "wheels": WheelState,
+}
 
 
 class TrackSlave(RailSlave):
@@ -57,19 +59,23 @@ class TrackSlave(RailSlave):
             self._state = self._model.initial_state(self._motion(), self.time)
         except TrackError as error:
             raise StepError(str(error)) from error
-        self._count = parameters.wheelset_count
-        heights = self._model.static_heights(self._state)
-        self.reals[self._heights] = heights
+        self.reals[self._heights] = self._state.static_heights
         self._publish()
 
     def start(self) -> None:
-        """Say what the model leaves out, and prepare the slide before time matters."""
-        self.info(NOT_MODELLED)
+        """Say what the user should know, and compile before time matters."""
+        for remark in self._model.irregularity.remarks:
+            self.warn(remark)
         self._model.prepare()
 
     def _find_places(self, count: int) -> None:
         self._inputs = self.slice_of(*names.motion_names(count))
-        self._applied = self.slice_of(*names.rail_head_names("vertical_force", count))
+        self._applied = np.array(
+            [
+                self.indices(names.rail_head_names(name, count))
+                for name in ("lateral_force", "vertical_force", "roll_moment")
+            ]
+        )
         self._contact = self.slice_of(*names.contact_names(count))
         self._wheels = {
             name: self.slice_of(*names.wheel_names(name, count)) for name in names.WHEEL
@@ -94,7 +100,7 @@ class TrackSlave(RailSlave):
         """Advance the model and write the outputs."""
         applied = None
         if self._model.parameters.interface == "applied_force":
-            applied = self.reals[self._applied].reshape(-1, 2)
+            applied = self.reals[self._applied].T.reshape(-1, 2, 3)
         try:
             self._state, _ = self._model.step(
                 self._state,
@@ -111,9 +117,17 @@ class TrackSlave(RailSlave):
         state, wheels = self._state, self._wheels
         outputs = self._model.outputs(state)
         self.reals[self._contact] = outputs.contact.ravel()
-        self.reals[wheels["normal_force"]] = outputs.normal_force.ravel()
-        self.reals[wheels["penetration"]] = outputs.penetration.ravel()
-        self.reals[wheels["rail_vertical_displacement"]] = outputs.rail_deflection.ravel()
+        for name, values in (
+            ("normal_force", outputs.normal_force),
+            ("longitudinal_creep_force", outputs.longitudinal_creep_force),
+            ("lateral_creep_force", outputs.lateral_creep_force),
+            ("penetration", outputs.penetration),
+            ("contact_angle", outputs.contact_angle),
+            ("rail_vertical_displacement", outputs.rail_deflection),
+            ("rail_lateral_displacement", outputs.rail_lateral),
+            ("rail_roll_angle", outputs.rail_roll),
+        ):
+            self.reals[wheels[name]] = values.ravel()
         self.reals[self._window] = state.window_start, state.slide_residual
         self.values["window.slide_count"] = state.slide_count
 
@@ -121,7 +135,7 @@ class TrackSlave(RailSlave):
         """Return the state of the track, flat."""
         flat: dict[str, Any] = {}
         for name, value in self._state._asdict().items():
-            if isinstance(value, FieldState | MotionHistory):
+            if name in _NESTED:
                 flat |= {f"{name}.{part}": item for part, item in value._asdict().items()}
             else:
                 flat[name] = value
@@ -129,13 +143,8 @@ class TrackSlave(RailSlave):
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
-        kinds = {
-            "symmetric": FieldState,
-            "antisymmetric": FieldState,
-            "history": MotionHistory,
-        }
         values: dict[str, Any] = {k: v for k, v in state.items() if "." not in k}
-        for name, kind in kinds.items():
+        for name, kind in _NESTED.items():
             values[name] = kind(**{part: state[f"{name}.{part}"] for part in kind._fields})
         values["slide_count"] = int(values["slide_count"])
         self._state = TrackState(**values)

@@ -1,154 +1,106 @@
-r"""One internal step of the track: trapezoidal rule, fasteners and contact implicit.
-
-Every modal coordinate is a scalar oscillator
-:math:`\ddot q + c\dot q + \omega^2 q = g`. The trapezoidal rule (Newmark,
-beta = 1/4, gamma = 1/2) is unconditionally stable, of second order, exact in
-statics and conserves the energy of a linear undamped system:
-
-.. math:: \tilde q = q + h\dot q + \tfrac{h^2}{4}\ddot q,\quad
-          \tilde{\dot q} = \dot q + \tfrac h2\ddot q,\quad
-          \ddot q' = \alpha(g' - c\tilde{\dot q} - \omega^2\tilde q),\quad
-          \alpha = 1/(1 + \tfrac h2 c + \tfrac{h^2}{4}\omega^2)
-
-The modal forces g' hold the fastener forces p' and the wheel forces F', which
-depend on the new motion. With the free step (g' = 0) known, the fasteners obey
-a constant linear system, solved once per step size:
-
-.. math:: p' = D\,(\tilde p + \mu Y_w F'),\quad
-          D = (I + \mu Y)^{-1},\quad
-          \mu = k\tfrac{h^2}{4} + c\tfrac h2
-
-with Y the admittance at the fasteners, :math:`Y_w` that between fasteners and
-wheels, and :math:`\tilde p` the fastener forces of the free step.
-
-The modes left out of the series follow the forces without inertia: at fasteners
-and wheels they add :math:`r = R_w F - R p` with their static compliance. Their
-rate in the fasteners' dampers is the backward difference of second order (BDF2),
-:math:`(\tfrac32 r' - 2r + \tfrac12 r_{-1})/h`, so with :math:`\nu = k + \tfrac{3c}{2h}`
-
-.. math:: p' = D\left(\tilde p - \tfrac{c}{h}(2r - \tfrac12 r_{-1})
-          + (\mu Y_w + \nu R_w) F'\right),\quad D = (I + \mu Y + \nu R)^{-1}.
-
-What remains per wheel is one scalar equation of Hertz's law with the compliance
-
-.. math:: C = \tfrac{h^2}{4} Z_w^T\beta Z_w + R_{ww}
-          - \left(\tfrac{h^2}{4} Y_w + R_w\right)^T D\,(\mu Y_w + \nu R_w).
-"""
+"""The whole track over a communication step: vertical, lateral, contact, in that order."""
 
 from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from slab_track.assembly import LinearTrack
-from slab_track.kernel import between, kernel_table, to_fasteners
+from slab_track.contact.tables import ContactTables
+from slab_track.contact.wheelset import FORCED, LOCATED
+from slab_track.lateral import (
+    LateralOperator,
+    close_rail,
+    free_rail,
+    motion_at_wheels,
+    wheel_compliance,
+)
+from slab_track.vertical import (
+    StepOperator,
+    close_class_step,
+    free_class_step,
+)
+from slab_track.wheels import contact_forces, rail_motion, solve_wheel
 
 _SQRT_HALF = np.sqrt(0.5)
+_SWEEPS = 20
+_SWEEP_TOLERANCE = 1e-11
+"""Change of a deflection under one wheel by the others, m, that needs no further sweep."""
+
+APPLIED, VERTICAL, PROFILES = 0, 1, 2
+"""What acts between wheels and rails: given forces, eq. (1) on a level tread, real profiles."""
 
 
-class FieldState(NamedTuple):
-    """Coordinates of one symmetry class: displacement, velocity, acceleration.
+class TrackOperator(NamedTuple):
+    """All constants of a track for one internal step size.
 
     Attributes
     ----------
+    symmetric, antisymmetric
+        Vertical motion of both classes.
+    lateral
+        Lateral motion and torsion of either rail.
+    contact
+        Tables of the contact.
+    interface
+        APPLIED, VERTICAL or PROFILES.
+    lateral_motion
+        False if the rails are held laterally and in roll.
+    hertz_constant
+        Of eq. (1) for VERTICAL, m/N^(2/3).
+    half_distance
+        Of the rolling circles, m.
+    step
+        Internal step, s.
+    """
+
+    symmetric: StepOperator
+    antisymmetric: StepOperator
+    lateral: LateralOperator
+    contact: ContactTables
+    interface: int
+    lateral_motion: bool
+    hertz_constant: float
+    half_distance: float
+    step: float
+
+
+class WheelState(NamedTuple):
+    """What happens at the wheels; left first.
+
+    Attributes
+    ----------
+    rail_force
+        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3).
+    normal, creep
+        Normal and lateral creep force of the patches (tread, flange), (wheels, 2, 2), N.
     rail
-        Shape (3, 2, N): derivative, branch, wave number.
-    slab
-        Shape (3, S, n): derivative, slab, mode.
-    residual
-        Compression of the fasteners by the modes left out, now and one internal step
-        before, shape (2, P), m.
+        Motion of the rail's axis: y, z, roll and rates, (wheels, 2, 6).
+    wheelset
+        Contact force and moment on each wheelset, (wheels, 6).
+    located, forces
+        Patches, columns as in :mod:`slab_track.contact.wheelset`.
     """
 
+    rail_force: np.ndarray
+    normal: np.ndarray
+    creep: np.ndarray
     rail: np.ndarray
-    slab: np.ndarray
-    residual: np.ndarray
+    wheelset: np.ndarray
+    located: np.ndarray
+    forces: np.ndarray
 
-
-class StepOperator(NamedTuple):
-    """Constants of one symmetry class for one internal step size h.
-
-    Attributes
-    ----------
-    rail_weight, slab_weight
-        alpha of each coordinate, shapes (2, N) and (n,).
-    beta
-        Deflection amplitude per unit modal wave force, shape (N,).
-    solve
-        D, shape (P, P).
-    residual
-        R, static compliance of the modes left out at the fasteners, shape (P, P), m/N.
-    response_kernel, residual_kernel
-        Tables of h^2/4 beta and of the residual (see :mod:`slab_track.kernel`).
-    modal_gain, residual_gain
-        mu / (h^2/4) and nu, N/m.
-    lag
-        c / h, N/m.
-    spacing
-        Distance of the fasteners, m.
-    """
-
-    rail_omega_squared: np.ndarray
-    rail_deflection: np.ndarray
-    rail_weight: np.ndarray
-    beta: np.ndarray
-    wave_number: np.ndarray
-    slab_omega_squared: np.ndarray
-    slab_damping: np.ndarray
-    slab_weight: np.ndarray
-    seats: np.ndarray
-    sines: np.ndarray
-    fold_index: np.ndarray
-    fold_sign: np.ndarray
-    solve: np.ndarray
-    residual: np.ndarray
-    response_kernel: np.ndarray
-    residual_kernel: np.ndarray
-    stiffness: float
-    damping: float
-    modal_gain: float
-    residual_gain: float
-    lag: float
-    spacing: float
-
-
-def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperator:
-    """Return the operator for an internal step in s."""
-    rail, slab = track.rail, track.slabs[symmetry]
-    quarter = 0.25 * step**2
-    rail_weight = 1.0 / (1.0 + quarter * rail.omega_squared)
-    slab_weight = 1.0 / (1.0 + 0.5 * step * slab.damping + quarter * slab.omega_squared)
-    beta = np.sum(rail.deflection**2 * rail_weight, axis=0)
-    admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
-    residual = track.fastener_residual(symmetry)
-    mu = quarter * track.stiffness + 0.5 * step * track.damping
-    nu = track.stiffness + 1.5 * track.damping / step
-    count = track.fastener_count
-    left_out = np.concatenate([np.zeros(beta.size), track.residual_flexibility])
-    return StepOperator(
-        rail_omega_squared=rail.omega_squared,
-        rail_deflection=rail.deflection,
-        rail_weight=rail_weight,
-        beta=beta,
-        wave_number=rail.wave_number,
-        slab_omega_squared=slab.omega_squared,
-        slab_damping=slab.damping,
-        slab_weight=slab_weight,
-        seats=slab.seats,
-        sines=track.fastener_sines,
-        fold_index=track.fold_index,
-        fold_sign=track.fold_sign,
-        solve=np.linalg.inv(np.eye(count) + mu * admittance + nu * residual),
-        residual=residual,
-        response_kernel=kernel_table(quarter * beta, count),
-        residual_kernel=kernel_table(left_out, count),
-        stiffness=track.stiffness,
-        damping=track.damping,
-        modal_gain=mu / quarter,
-        residual_gain=nu,
-        lag=track.damping / step,
-        spacing=track.length / count,
-    )
+    @classmethod
+    def empty(cls, wheels: int) -> "WheelState":
+        """Return wheels without any force."""
+        return cls(
+            rail_force=np.zeros((wheels, 2, 3)),
+            normal=np.zeros((wheels, 2, 2)),
+            creep=np.zeros((wheels, 2, 2)),
+            rail=np.zeros((wheels, 2, 6)),
+            wheelset=np.zeros((wheels, 6)),
+            located=np.zeros((wheels, 2, 2, LOCATED)),
+            forces=np.zeros((wheels, 2, 2, FORCED)),
+        )
 
 
 @numba.njit(cache=True)
@@ -166,248 +118,202 @@ def wheel_shapes(wave_number, positions):
 
 
 @numba.njit(cache=True)
-def _free_step(state, omega_squared, damping, weight, step):
-    """Advance all coordinates without any force, in place; broadcast over the first axis."""
-    q, v, a = state[0], state[1], state[2]
-    for i in range(q.shape[0]):
-        for j in range(q.shape[1]):
-            row = i if omega_squared.shape[0] > 1 else 0
-            q_free = q[i, j] + step * v[i, j] + 0.25 * step * step * a[i, j]
-            v_free = v[i, j] + 0.5 * step * a[i, j]
-            a_free = -weight[row, j] * (damping[row, j] * v_free + omega_squared[row, j] * q_free)
-            q[i, j] = q_free + 0.25 * step * step * a_free
-            v[i, j] = v_free + 0.5 * step * a_free
-            a[i, j] = a_free
-
-
-@numba.njit(cache=True)
-def _fastener_extension(operator, rail, slab):
-    """Force the fasteners would have: stiffness and damping on rail minus slab, shape (P,)."""
-    folded = np.zeros(operator.sines.shape[0])
-    stiffness, damping = operator.stiffness, operator.damping
-    deflection = operator.rail_deflection
-    for k in range(operator.beta.size):
-        amplitude = 0.0
-        for branch in range(2):
-            amplitude += deflection[branch, k] * (
-                stiffness * rail[0, branch, k] + damping * rail[1, branch, k]
+def _vertical_contact(operator, path, offsets, same, cross, free, wheels):
+    """Eq. (1) on a level tread: normal forces of all wheels."""
+    b = operator.half_distance
+    approach = np.empty((path.shape[0], 2))
+    for wheel in range(path.shape[0]):
+        for side in range(2):
+            lever = b if side == 1 else -b
+            approach[wheel, side] = (
+                path[wheel, 2]
+                + lever * path[wheel, 3]
+                - offsets[wheel, side, 0]
+                - free[wheel, side, 1]
             )
-        folded[operator.fold_index[k]] += operator.fold_sign[k] * amplitude
-    force = folded @ operator.sines
-    seat_force = (stiffness * slab[0] + damping * slab[1]) @ operator.seats
-    return force - seat_force.ravel()
+    start = wheels.normal[:, :, 0].copy()
+    force, penetration = contact_forces(approach, same, cross, start, operator.hertz_constant)
+    wheels.normal[:, :, 0] = force
+    wheels.wheelset[:] = 0.0
+    for wheel in range(path.shape[0]):
+        for side in range(2):
+            lever = b if side == 1 else -b
+            wheels.rail_force[wheel, side, 1] = force[wheel, side]
+            wheels.located[wheel, side, 0, 0] = penetration[wheel, side]
+            wheels.forces[wheel, side, 0, 0] = force[wheel, side]
+            wheels.wheelset[wheel, 2] -= force[wheel, side]
+            wheels.wheelset[wheel, 3] -= lever * force[wheel, side]
+    return True
 
 
 @numba.njit(cache=True)
-def _unfolded(operator, fastener_force):
-    """Wave forces of the fasteners on the rail with positive sign, shape (N,)."""
-    folded = operator.sines @ fastener_force
-    wave = np.empty(operator.beta.size)
-    for k in range(wave.size):
-        wave[k] = operator.fold_sign[k] * folded[operator.fold_index[k]]
-    return wave
-
-
-@numba.njit(cache=True)
-def _wheel_coupling(operator, positions):
-    """Coupling of the wheels at ``positions`` (w,) with fasteners and with each other.
-
-    Returns the deflection at the fasteners per unit wheel force, the forces on clamped
-    fasteners mu Y_w + nu R_w, both (w, P), and h^2/4 Z_w^T beta Z_w + R_ww, (w, w).
-    """
-    wheels, fasteners = positions.size, operator.sines.shape[0]
-    deflection = np.empty((wheels, fasteners))
-    force = np.empty((wheels, fasteners))
-    direct = np.empty((wheels, wheels))
-    modal, residual = np.empty(fasteners), np.empty(fasteners)
-    bays = positions / operator.spacing
-    for wheel in range(wheels):
-        to_fasteners(operator.response_kernel, bays[wheel], modal)
-        to_fasteners(operator.residual_kernel, bays[wheel], residual)
-        for i in range(fasteners):
-            deflection[wheel, i] = modal[i] + residual[i]
-            force[wheel, i] = operator.modal_gain * modal[i] + operator.residual_gain * residual[i]
-        for other in range(wheels):
-            direct[wheel, other] = between(
-                operator.response_kernel, bays[wheel], bays[other]
-            ) + between(operator.residual_kernel, bays[wheel], bays[other])
-    return deflection, force, direct
-
-
-@numba.njit(cache=True)
-def free_class_step(operator, field, shapes, positions, step):
-    """Step one symmetry class with fasteners but without wheel forces.
-
-    Advances the coordinates (free of all forces yet) in place. Returns the fastener
-    forces without wheels (P,), those per unit wheel force (w, P), the rail deflection at
-    the wheels (w,) and the compliance there (w, w).
-    """
-    rail, slab = field.rail, field.slab
-    no_damping = np.zeros_like(operator.rail_omega_squared)
-    _free_step(rail, operator.rail_omega_squared, no_damping, operator.rail_weight, step)
-    _free_step(
-        slab,
-        operator.slab_omega_squared.reshape(1, -1),
-        operator.slab_damping.reshape(1, -1),
-        operator.slab_weight.reshape(1, -1),
-        step,
-    )
-    at_fasteners, clamped, direct = _wheel_coupling(operator, positions)
-    extension = _fastener_extension(operator, rail, slab) - operator.lag * (
-        2.0 * field.residual[0] - 0.5 * field.residual[1]
-    )
-    fastener = operator.solve @ extension
-    per_wheel = clamped @ operator.solve.T
-    wave = operator.rail_deflection[0] * rail[0, 0] + operator.rail_deflection[1] * rail[0, 1]
-    free = shapes @ wave - at_fasteners @ fastener
-    return fastener, per_wheel, free, direct - at_fasteners @ per_wheel.T
-
-
-@numba.njit(cache=True)
-def close_class_step(operator, field, shapes, positions, step, fastener, forces):
-    """Add the fastener forces (P,) and wheel forces (w,) to a free step, in place."""
-    rail, slab = field.rail, field.slab
-    quarter, half = 0.25 * step * step, 0.5 * step
-    wave = forces @ shapes - _unfolded(operator, fastener)
-    for branch in range(2):
-        for k in range(wave.size):
-            a = operator.rail_weight[branch, k] * operator.rail_deflection[branch, k] * wave[k]
-            rail[0, branch, k] += quarter * a
-            rail[1, branch, k] += half * a
-            rail[2, branch, k] += a
-    slab_a = (fastener.reshape(slab.shape[1], -1) @ operator.seats.T) * operator.slab_weight
-    slab[0] += quarter * slab_a
-    slab[1] += half * slab_a
-    slab[2] += slab_a
-    field.residual[1] = field.residual[0]
-    field.residual[0] = -(operator.residual @ fastener)
-    at_fasteners = np.empty(fastener.size)
-    for wheel in range(forces.size):
-        to_fasteners(operator.residual_kernel, positions[wheel] / operator.spacing, at_fasteners)
-        field.residual[0] += forces[wheel] * at_fasteners
-
-
-@numba.njit(cache=True)
-def hertz_force(penetration, hertz_constant):
-    """Eq. (1): normal force in N from the penetration in m, zero when separated."""
-    if penetration <= 0.0:
-        return 0.0
-    return (penetration / hertz_constant) ** 1.5
-
-
-@numba.njit(cache=True)
-def _implicit_penetration(gap, compliance, hertz_constant):
-    """Solve delta + C (delta/G)^1.5 = gap for delta; the left side is convex and rising."""
-    if gap <= 0.0:
-        return gap
-    delta = gap
-    for _ in range(60):
-        force = (delta / hertz_constant) ** 1.5
-        change = (delta + compliance * force - gap) / (1.0 + 1.5 * compliance * force / delta)
-        delta -= change
-        if change < 1e-15 * gap:
-            break
-    return delta
-
-
-@numba.njit(cache=True)
-def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
-    """Solve the normal forces of all wheels, (wheels, 2), and their penetrations.
-
-    ``approach`` (wheels, 2) is the penetration that the wheels would have on rails
-    free of wheel forces. Wheel by wheel the scalar law is solved exactly; sweeps
-    account for the small compliance between different wheels.
-    """
-    count = approach.shape[0]
-    same, cross = 0.5 * (compliance_s + compliance_a), 0.5 * (compliance_s - compliance_a)
-    force, penetration = start.copy(), np.empty_like(start)
-    for _ in range(50):
-        change = 0.0
+def _profile_contact(operator, path, offsets, same, cross, mobility, lateral, free, wheels):
+    """Contact on real profiles: sweeps over all wheels."""
+    count = path.shape[0]
+    row, own = np.empty(11), np.empty(6)
+    offset, wheelset = np.empty(2), np.empty(6)
+    compliance, rate = np.zeros((3, 3)), np.zeros((3, 3))
+    for _ in range(_SWEEPS):
+        worst = 0.0
+        wheels.wheelset[:] = 0.0
+        good = True
+        # All wheels see the others' forces of the last sweep: no order, so mirror symmetry.
+        others = wheels.rail_force[:, :, 1].copy()
         for wheel in range(count):
+            row[:] = path[wheel]
             for side in range(2):
-                gap = approach[wheel, side]
+                own[:] = free[wheel, side]
                 for other in range(count):
-                    gap -= same[wheel, other] * force[other, side]
-                    gap -= cross[wheel, other] * force[other, 1 - side]
-                gap += same[wheel, wheel] * force[wheel, side]
-                delta = _implicit_penetration(gap, same[wheel, wheel], hertz_constant)
-                new = hertz_force(delta, hertz_constant)
-                change = max(change, abs(new - force[wheel, side]))
-                force[wheel, side], penetration[wheel, side] = new, delta
-        if change <= 1e-9:
+                    if other != wheel:
+                        own[1] += same[wheel, other] * others[other, side]
+                    own[1] += cross[wheel, other] * others[other, 1 - side]
+                _wheel_matrices(
+                    same[wheel, wheel], mobility[wheel, wheel], lateral[wheel],
+                    operator.lateral.residual, operator.step, operator.lateral_motion,
+                    compliance, rate,
+                )  # fmt: skip
+                offset[0], offset[1] = offsets[wheel, side, 1], offsets[wheel, side, 0]
+                good &= solve_wheel(
+                    operator.contact, 2.0 * side - 1.0, row, own, compliance, rate, offset,
+                    wheels.rail_force[wheel, side], wheels.normal[wheel, side],
+                    wheels.creep[wheel, side], wheelset, wheels.rail[wheel, side],
+                    wheels.located[wheel, side], wheels.forces[wheel, side],
+                )  # fmt: skip
+                wheels.wheelset[wheel] += wheelset
+                worst = max(worst, abs(wheels.rail_force[wheel, side, 1] - others[wheel, side]))
+        if not good or worst * np.max(np.abs(cross)) < _SWEEP_TOLERANCE:
             break
-    return force, penetration
+    return good
 
 
 @numba.njit(cache=True)
-def advance(
-    symmetric,
-    antisymmetric,
-    state_s,
-    state_a,
-    positions,
-    drive,
-    force,
-    applied,
-    hertz_constant,
-    step,
-):
+def _wheel_matrices(vertical, vertical_rate, lateral, residual, step, moving, compliance, rate):
+    """Fill compliance and mobility of the rail's axis under a wheel, (3, 3): y, z, roll."""
+    compliance[1, 1], rate[1, 1] = vertical, vertical_rate
+    if not moving:
+        return
+    to_rate = 2.0 / step
+    compliance[0, 0], compliance[2, 2] = lateral[0] + residual[0], lateral[2] + residual[1]
+    compliance[0, 2] = compliance[2, 0] = lateral[1]
+    rate[0, 0], rate[2, 2] = to_rate * lateral[0], to_rate * lateral[2]
+    rate[0, 2] = rate[2, 0] = to_rate * lateral[1]
+
+
+@numba.njit(cache=True)
+def _interact(operator, path, offsets, applied, positions, free_s, free_a, free, wheels):
+    """Find the forces on the rails under all wheels; False where there is no solution."""
+    same = 0.5 * (free_s.compliance + free_a.compliance)
+    cross = 0.5 * (free_s.compliance - free_a.compliance)
+    mobility = 0.5 * (free_s.mobility + free_a.mobility)
+    free[:, 0, 1] = _SQRT_HALF * (free_s.deflection - free_a.deflection)
+    free[:, 1, 1] = _SQRT_HALF * (free_s.deflection + free_a.deflection)
+    free[:, 0, 4] = _SQRT_HALF * (free_s.rate - free_a.rate)
+    free[:, 1, 4] = _SQRT_HALF * (free_s.rate + free_a.rate)
+    if operator.interface == VERTICAL:
+        return _vertical_contact(operator, path, offsets, same, cross, free, wheels)
+    lateral = np.zeros((positions.size, 3))
+    for wheel in range(positions.size):
+        wheel_compliance(operator.lateral, positions[wheel], lateral[wheel])
+    if operator.interface == PROFILES:
+        return _profile_contact(
+            operator, path, offsets, same, cross, mobility, lateral, free, wheels
+        )
+    wheels.rail_force[:] = applied
+    return True
+
+
+@numba.njit(cache=True)
+def _report_rails(operator, positions, free_s, free_a, free, wheels):
+    """Motion of the rails under the wheels, all forces of this step included."""
+    same = 0.5 * (free_s.compliance + free_a.compliance)
+    cross = 0.5 * (free_s.compliance - free_a.compliance)
+    mobility = 0.5 * (free_s.mobility + free_a.mobility)
+    compliance, rate, lateral = np.zeros((3, 3)), np.zeros((3, 3)), np.empty(3)
+    own = np.empty(6)
+    for wheel in range(positions.size):
+        wheel_compliance(operator.lateral, positions[wheel], lateral)
+        _wheel_matrices(
+            same[wheel, wheel], mobility[wheel, wheel], lateral, operator.lateral.residual,
+            operator.step, operator.lateral_motion, compliance, rate,
+        )  # fmt: skip
+        for side in range(2):
+            own[:] = free[wheel, side]
+            for other in range(positions.size):
+                if other != wheel:
+                    own[1] += same[wheel, other] * wheels.rail_force[other, side, 1]
+                own[1] += cross[wheel, other] * wheels.rail_force[other, 1 - side, 1]
+            rail_motion(
+                own, compliance, rate, wheels.rail_force[wheel, side], wheels.rail[wheel, side]
+            )
+
+
+@numba.njit(cache=True)
+def advance(operator, state_s, state_a, rails, positions, path, offsets, applied, wheels):
     """Advance the track through several internal steps, in place.
 
     Parameters
     ----------
-    symmetric, antisymmetric
-        Step operators.
+    operator
+        :class:`TrackOperator`.
     state_s, state_a
-        Field states, changed in place.
+        Vertical states of both classes (:class:`slab_track.vertical.FieldState`).
+    rails
+        Lateral and torsional coordinates of both rails, (2, 3, 3, N).
     positions
         Wheelsets in the window at the end of each internal step, (steps, wheels), m.
-    drive
-        Heights of the wheels' lowest points against the unloaded rail head, downwards,
-        (steps, wheels, 2), m; or, where ``applied``, the forces on the rail heads, N.
-    force
-        Normal forces at the start, (wheels, 2), N.
+    path
+        Motion rows there, (steps, wheels, 11); heights as the contact counts them.
+    offsets
+        Irregularity there: side, direction (vertical, lateral), (steps, wheels, 2, 2), m.
     applied
-        True if forces are prescribed.
+        Prescribed forces on the rails' axes for APPLIED, (wheels, 2, 3).
+    wheels
+        :class:`WheelState`, start values in, results out.
 
     Returns
     -------
     tuple
-        At the last internal step: normal force, penetration, rail deflection
-        (wheels, 2), fastener forces (P, 2), each with left first.
+        Number of steps made (less than asked if one failed), and vertical and lateral
+        fastener forces of the last one: (P, 2) symmetric and antisymmetric.
     """
-    penetration = np.zeros_like(force)
-    fastener_s = np.zeros(symmetric.sines.shape[0])
-    fastener_a = fastener_s
-    deflection = np.zeros_like(force)
+    step = operator.step
+    count = positions.shape[1]
+    fasteners = np.zeros((operator.symmetric.sines.shape[0], 2))
+    free = np.zeros((count, 2, 6))
+    moving = operator.lateral_motion and operator.interface != VERTICAL
     for n in range(positions.shape[0]):
         x = positions[n]
-        shapes = wheel_shapes(symmetric.wave_number, x)
-        fastener_s, wheel_s, free_s, compliance_s = free_class_step(
-            symmetric, state_s, shapes, x, step
+        shapes = wheel_shapes(operator.symmetric.wave_number, x)
+        free_s = free_class_step(operator.symmetric, state_s, shapes, x, step)
+        free_a = free_class_step(operator.antisymmetric, state_a, shapes, x, step)
+        extensions = np.zeros((2, 2, fasteners.shape[0]))
+        if moving:
+            for side in range(2):
+                extensions[side] = free_rail(operator.lateral, rails[side], step)
+                motion = motion_at_wheels(
+                    operator.lateral, rails[side], extensions[side], shapes, step
+                )
+                free[:, side, 0], free[:, side, 2] = motion[:, 0], motion[:, 1]
+                free[:, side, 3], free[:, side, 5] = motion[:, 2], motion[:, 3]
+        good = _interact(operator, path[n], offsets[n], applied, x, free_s, free_a, free, wheels)
+        if not good:
+            return n, fasteners
+        force_s = _SQRT_HALF * (wheels.rail_force[:, 0, 1] + wheels.rail_force[:, 1, 1])
+        force_a = _SQRT_HALF * (wheels.rail_force[:, 1, 1] - wheels.rail_force[:, 0, 1])
+        fasteners[:, 0] = free_s.fastener + force_s @ free_s.per_wheel
+        fasteners[:, 1] = free_a.fastener + force_a @ free_a.per_wheel
+        close_class_step(
+            operator.symmetric, state_s, shapes, x, step, fasteners[:, 0].copy(), force_s
         )
-        fastener_a, wheel_a, free_a, compliance_a = free_class_step(
-            antisymmetric, state_a, shapes, x, step
+        close_class_step(
+            operator.antisymmetric, state_a, shapes, x, step, fasteners[:, 1].copy(), force_a
         )
-        if applied:
-            force = drive[n].copy()
-        else:
-            approach = drive[n].copy()
-            approach[:, 0] -= _SQRT_HALF * (free_s - free_a)
-            approach[:, 1] -= _SQRT_HALF * (free_s + free_a)
-            force, penetration = contact_forces(
-                approach, compliance_s, compliance_a, force, hertz_constant
-            )
-        force_s = _SQRT_HALF * (force[:, 0] + force[:, 1])
-        force_a = _SQRT_HALF * (force[:, 1] - force[:, 0])
-        fastener_s += force_s @ wheel_s
-        fastener_a += force_a @ wheel_a
-        close_class_step(symmetric, state_s, shapes, x, step, fastener_s, force_s)
-        close_class_step(antisymmetric, state_a, shapes, x, step, fastener_a, force_a)
-        u_s, u_a = free_s + compliance_s @ force_s, free_a + compliance_a @ force_a
-        deflection[:, 0] = _SQRT_HALF * (u_s - u_a)
-        deflection[:, 1] = _SQRT_HALF * (u_s + u_a)
-    fasteners = np.empty((fastener_s.size, 2))
-    fasteners[:, 0] = _SQRT_HALF * (fastener_s - fastener_a)
-    fasteners[:, 1] = _SQRT_HALF * (fastener_s + fastener_a)
-    return force, penetration, deflection, fasteners
+        if moving:
+            load = np.empty((count, 2))
+            for side in range(2):
+                load[:, 0], load[:, 1] = (
+                    wheels.rail_force[:, side, 0], wheels.rail_force[:, side, 2],
+                )  # fmt: skip
+                close_rail(operator.lateral, rails[side], extensions[side], shapes, load, step)
+        _report_rails(operator, x, free_s, free_a, free, wheels)
+    return positions.shape[0], fasteners

@@ -28,6 +28,13 @@ class ContactParameters(ParameterSet):
     """Wheel/rail contact on real profiles."""
 
     GROUP = "contact"
+    model: str = quantity(
+        "profiles",
+        "1",
+        "profiles: contact of real profiles with creep forces; vertical: eq. (1) on a level "
+        "tread at the rolling circle, no creep forces",
+        choices=("profiles", "vertical"),
+    )
     wheel_profile: str = quantity(
         "S1002",
         "1",
@@ -61,7 +68,8 @@ class ContactParameters(ParameterSet):
     hertz_constant: float = quantity(
         0.0,
         "m/N^(2/3)",
-        "Hertz constant of eq. (1) for every patch; 0 takes it from the profiles' curvatures",
+        "Hertz constant of eq. (1) for every patch; 0 takes it from the profiles' curvatures, "
+        "with contact.model = vertical 3.86e-8 R^-0.115 of a worn tread of radius R",
         symbol="G_H",
         at_least=0.0,
         at_most=1e-5,
@@ -92,6 +100,11 @@ class ContactParameters(ParameterSet):
     fastsim_strips: int = quantity(
         10, "1", "Cells of FASTSIM across the rolling direction", at_least=2, at_most=1000
     )
+
+    @property
+    def hertz_constant_used(self) -> float:
+        """The constant of eq. (1) for the vertical model, m/N^(2/3) (worn tread: Zhai)."""
+        return self.hertz_constant or 3.86e-8 * self.wheel_radius**-0.115
 
     def placement(
         self, gauge: float, gauge_measurement_depth: float, cant: float, rail_axis_depth: float

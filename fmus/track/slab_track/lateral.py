@@ -1,0 +1,363 @@
+r"""Lateral bending and torsion of one rail on its fasteners, one internal step.
+
+Both rails have the same system, and the slabs do not move sideways. The rail's axis
+(its centroid) moves by y and turns by :math:`\varphi`; its foot, :math:`h_f` below, moves
+by :math:`y - h_f\varphi`. A fastener holds the foot with a lateral force p and, through the
+width b of the rail base on a uniform pad, with a moment m:
+
+.. math:: p = k_l (y - h_f\varphi) + \ldots,\quad m = k_v\tfrac{b^2}{12}\varphi + \ldots
+
+Fasteners are alike and equidistant, so waves that look different at the fasteners do not
+couple: in the folded wave numbers of :mod:`slab_track.assembly` the fasteners are 2 x 2
+problems, one per row. The modes left out act at the wheels only, with their static
+compliance; at the fasteners they are below one per cent.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from slab_track.assembly import fold_table
+from slab_track.parameters import TrackParameters
+from slab_track.rail import RailModes, timoshenko_modes
+
+PHASES = 64
+"""Places between two fasteners for which the compliance at a wheel is tabulated."""
+
+
+class LateralTrack(NamedTuple):
+    """Lateral and torsional modes of a rail and its fasteners.
+
+    Attributes
+    ----------
+    bending
+        Lateral Timoshenko modes.
+    torsion_omega_squared, torsion_amplitude
+        Torsional modes, shape (N,), rad2/s2 and kg^-1/2 m^-1.
+    fold_index, fold_sign
+        As in :class:`slab_track.assembly.LinearTrack`.
+    class_weight
+        Sum of the squares of a folded shape over the fasteners: P/2, and P for the last.
+    stiffness, damping
+        Of one fastener: lateral (N/m, N.s/m) and against roll (N.m/rad, N.m.s/rad), (2,).
+    foot
+        Height of the axis above the rail base h_f, m.
+    residual
+        Static compliance of the modes left out under a wheel: lateral (m/N) and in
+        roll (rad/(N.m)), (2,).
+    length
+        Of the window, m.
+    """
+
+    bending: RailModes
+    torsion_omega_squared: np.ndarray
+    torsion_amplitude: np.ndarray
+    fold_index: np.ndarray
+    fold_sign: np.ndarray
+    class_weight: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    foot: float
+    residual: np.ndarray
+    length: float
+
+
+def assemble_lateral(p: TrackParameters) -> LateralTrack:
+    """Build the lateral and torsional system of a rail from the track's parameters."""
+    rail, fastener, length = p.rail, p.fastener, p.window_length
+    bending_stiffness = rail.youngs_modulus * rail.lateral_second_moment
+    shear_stiffness = rail.lateral_shear_coefficient * rail.shear_modulus * rail.area
+    bending = timoshenko_modes(
+        length=length,
+        count=rail.mode_count,
+        bending_stiffness=bending_stiffness,
+        shear_stiffness=shear_stiffness,
+        mass_per_length=rail.density * rail.area,
+        rotary_inertia=rail.density * rail.lateral_second_moment,
+    )
+    polar = rail.density * rail.polar_second_moment
+    count = p.fastener_count
+    index, sign = fold_table(rail.mode_count, count)
+    weight = np.full(count, 0.5 * count)
+    weight[-1] = count
+    # Uniform pad under the whole rail base.
+    lever = rail.base_width**2 / 12.0
+    residual = np.zeros(2)
+    if rail.residual_compliance:
+        wave = np.pi / length * np.arange(rail.mode_count + 1, 200 * rail.mode_count)
+        residual[0] = np.sum(
+            1.0 / (bending_stiffness * wave**4) + 1.0 / (shear_stiffness * wave**2)
+        )
+        residual[1] = np.sum(1.0 / (rail.torsional_stiffness * wave**2))
+        residual /= length  # 2/l times the mean 1/2 of sin^2
+    return LateralTrack(
+        bending=bending,
+        torsion_omega_squared=rail.torsional_stiffness * bending.wave_number**2 / polar,
+        torsion_amplitude=np.full(rail.mode_count, np.sqrt(2.0 / (polar * length))),
+        fold_index=index,
+        fold_sign=sign,
+        class_weight=weight,
+        stiffness=np.array([fastener.lateral_stiffness, fastener.vertical_stiffness * lever]),
+        damping=np.array([fastener.lateral_damping, fastener.vertical_damping * lever]),
+        foot=rail.axis_height,
+        residual=residual,
+        length=length,
+    )
+
+
+class LateralOperator(NamedTuple):
+    """Constants of a rail's lateral and torsional step.
+
+    Attributes
+    ----------
+    omega_squared, weight, amplitude
+        Of the three branches (bending, shear, torsion), shape (3, N).
+    response
+        Displacement amplitude per unit wave force: lateral, roll; h^2/4 beta, shape (2, N).
+    solve
+        Inverse of the fasteners' 2 x 2 problems, shape (2, 2, P).
+    gain
+        k + 2c/h of the two directions, (2,).
+    compliance
+        Under a wheel: y per force, y per moment (= roll per force), roll per moment, modal
+        part, over the place between two fasteners, shape (PHASES + 3, 3).
+    """
+
+    omega_squared: np.ndarray
+    weight: np.ndarray
+    amplitude: np.ndarray
+    response: np.ndarray
+    solve: np.ndarray
+    gain: np.ndarray
+    stiffness: np.ndarray
+    damping: np.ndarray
+    class_weight: np.ndarray
+    fold_index: np.ndarray
+    fold_sign: np.ndarray
+    foot: float
+    residual: np.ndarray
+    compliance: np.ndarray
+    spacing: float
+
+
+def lateral_operator(track: LateralTrack, step: float) -> LateralOperator:
+    """Return the operator for an internal step in s."""
+    quarter = 0.25 * step**2
+    omega_squared = np.vstack([track.bending.omega_squared, track.torsion_omega_squared])
+    operator = _operator(
+        track,
+        weight=1.0 / (1.0 + quarter * omega_squared),
+        scale=quarter,
+        gain=track.stiffness + 2.0 / step * track.damping,
+    )
+    return operator._replace(compliance=_compliance_table(operator, track))
+
+
+def _operator(
+    track: LateralTrack, *, weight: np.ndarray, scale: float, gain: np.ndarray
+) -> LateralOperator:
+    """Build an operator from the coordinates' responses ``scale * weight`` to modal forces."""
+    amplitude = np.vstack([track.bending.deflection, track.torsion_amplitude])
+    share = amplitude**2 * weight
+    response = scale * np.stack([share[0] + share[1], share[2]])
+    return LateralOperator(
+        omega_squared=np.vstack([track.bending.omega_squared, track.torsion_omega_squared]),
+        weight=weight,
+        amplitude=amplitude,
+        response=response,
+        solve=_fastener_inverse(track, response, gain),
+        gain=gain,
+        stiffness=track.stiffness,
+        damping=track.damping,
+        class_weight=track.class_weight,
+        fold_index=track.fold_index,
+        fold_sign=track.fold_sign,
+        foot=track.foot,
+        residual=track.residual,
+        compliance=np.zeros((PHASES + 3, 3)),
+        spacing=track.length / track.class_weight.size,
+    )
+
+
+def static_rail(
+    track: LateralTrack, positions: np.ndarray, forces: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the equilibrium of a rail under forces and roll moments on its axis.
+
+    ``positions`` (w,) in m from the window's start, ``forces`` (w, 2) in N and N.m.
+    Returns the coordinates (3, N) and displacement and roll of the axis there, (w, 2).
+    """
+    omega_squared = np.vstack([track.bending.omega_squared, track.torsion_omega_squared])
+    operator = _operator(track, weight=1.0 / omega_squared, scale=1.0, gain=track.stiffness)
+    shapes = np.sin(np.outer(positions, track.bending.wave_number))
+    load = forces.T @ shapes
+    extension = _extension(operator, operator.response * load)
+    net = load - _fastener_wave_force(operator, solve_fasteners(operator, extension))
+    coordinates = operator.weight * operator.amplitude * net[[0, 0, 1]]
+    motion = shapes @ (operator.response * net).T + forces * track.residual
+    return coordinates, motion
+
+
+def _fastener_inverse(track: LateralTrack, response: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Invert 1 + gain * admittance for every folded wave number, shape (2, 2, P)."""
+    folded = np.zeros((2, track.class_weight.size))
+    for direction in (0, 1):
+        np.add.at(folded[direction], track.fold_index, response[direction] * track.fold_sign**2)
+    lateral, roll = folded * track.class_weight
+    foot = track.foot
+    matrix = np.empty((track.class_weight.size, 2, 2))
+    matrix[:, 0, 0] = 1.0 + gain[0] * (lateral + foot**2 * roll)
+    matrix[:, 0, 1] = -gain[0] * foot * roll
+    matrix[:, 1, 0] = -gain[1] * foot * roll
+    matrix[:, 1, 1] = 1.0 + gain[1] * roll
+    return np.ascontiguousarray(np.moveaxis(np.linalg.inv(matrix), 0, 2))
+
+
+def _compliance_table(operator: LateralOperator, track: LateralTrack) -> np.ndarray:
+    """Response under a wheel in the middle of the window, for places between fasteners."""
+    wave, count = track.bending.wave_number, track.class_weight.size
+    middle = count // 2 + 0.5
+    table = np.empty((PHASES + 3, 3))
+    for row in range(PHASES + 3):
+        x = (middle + (row - 1) / PHASES) * operator.spacing
+        shape = np.sin(wave * x)
+        force, moment = np.zeros((2, wave.size)), np.zeros((2, wave.size))
+        force[0], moment[1] = shape, shape
+        answers = []
+        for load in (force, moment):
+            free = np.stack([operator.response[0] * load[0], operator.response[1] * load[1]])
+            held = free - operator.response * _fastener_wave_force(
+                operator, solve_fasteners(operator, _extension(operator, free))
+            )
+            answers.append(held @ shape)
+        table[row] = answers[0][0], answers[0][1], answers[1][1]
+    return table
+
+
+def _extension(operator: LateralOperator, displacement: np.ndarray) -> np.ndarray:
+    """Force on held fasteners for displacements made within a step, folded, shape (2, P)."""
+    foot = displacement[0] - operator.foot * displacement[1]
+    folded = np.zeros((2, operator.class_weight.size))
+    np.add.at(folded[0], operator.fold_index, operator.fold_sign * foot)
+    np.add.at(folded[1], operator.fold_index, operator.fold_sign * displacement[1])
+    return folded * operator.gain[:, None]
+
+
+@numba.njit(cache=True)
+def solve_fasteners(operator, extension):
+    """Return lateral force and moment of the fasteners, folded, shape (2, P)."""
+    force = np.empty_like(extension)
+    for i in range(extension.shape[1]):
+        a, b = extension[0, i], extension[1, i]
+        force[0, i] = operator.solve[0, 0, i] * a + operator.solve[0, 1, i] * b
+        force[1, i] = operator.solve[1, 0, i] * a + operator.solve[1, 1, i] * b
+    return force
+
+
+@numba.njit(cache=True)
+def _fastener_wave_force(operator, force):
+    """Wave force and moment that the fasteners take from the rail, shape (2, N)."""
+    wave = np.empty((2, operator.fold_index.size))
+    for k in range(wave.shape[1]):
+        row = operator.fold_index[k]
+        share = operator.fold_sign[k] * operator.class_weight[row]
+        wave[0, k] = share * force[0, row]
+        wave[1, k] = share * (force[1, row] - operator.foot * force[0, row])
+    return wave
+
+
+@numba.njit(cache=True)
+def free_rail(operator, state, step):
+    """Advance the coordinates (3, 3, N) of a rail without any force, in place.
+
+    Returns the folded forces that held fasteners would have, shape (2, P).
+    """
+    q, v, a = state[0], state[1], state[2]
+    extension = np.zeros((2, operator.class_weight.size))
+    stiffness, damping, foot = operator.stiffness, operator.damping, operator.foot
+    quarter, half = 0.25 * step * step, 0.5 * step
+    for k in range(q.shape[1]):
+        for branch in range(3):
+            q_new = q[branch, k] + step * v[branch, k] + quarter * a[branch, k]
+            v_new = v[branch, k] + half * a[branch, k]
+            a_new = -operator.weight[branch, k] * operator.omega_squared[branch, k] * q_new
+            q[branch, k] = q_new + quarter * a_new
+            v[branch, k] = v_new + half * a_new
+            a[branch, k] = a_new
+        y, roll, v_y, v_roll = _amplitudes(operator, q, v, k)
+        row, sign = operator.fold_index[k], operator.fold_sign[k]
+        extension[0, row] += sign * (
+            stiffness[0] * (y - foot * roll) + damping[0] * (v_y - foot * v_roll)
+        )
+        extension[1, row] += sign * (stiffness[1] * roll + damping[1] * v_roll)
+    return extension
+
+
+@numba.njit(cache=True)
+def _amplitudes(operator, q, v, k):
+    """Wave amplitudes of displacement, roll and their rates."""
+    a0, a1, a2 = operator.amplitude[0, k], operator.amplitude[1, k], operator.amplitude[2, k]
+    return a0 * q[0, k] + a1 * q[1, k], a2 * q[2, k], a0 * v[0, k] + a1 * v[1, k], a2 * v[2, k]
+
+
+@numba.njit(cache=True)
+def motion_at_wheels(operator, state, extension, shapes, step):
+    """Return y, roll and rates under the wheels without wheel forces, shape (wheels, 4)."""
+    taken = _fastener_wave_force(operator, solve_fasteners(operator, extension))
+    rate = 2.0 / step
+    wave = np.empty((4, shapes.shape[1]))
+    for k in range(shapes.shape[1]):
+        y, roll, v_y, v_roll = _amplitudes(operator, state[0], state[1], k)
+        held_y = operator.response[0, k] * taken[0, k]
+        held_roll = operator.response[1, k] * taken[1, k]
+        wave[0, k], wave[1, k] = y - held_y, roll - held_roll
+        wave[2, k], wave[3, k] = v_y - rate * held_y, v_roll - rate * held_roll
+    return shapes @ wave.T
+
+
+@numba.njit(cache=True)
+def close_rail(operator, state, extension, shapes, forces, step):
+    """Add wheel forces and moments (wheels, 2) and fastener forces, in place.
+
+    Returns the folded fastener forces, shape (2, P).
+    """
+    load = forces.T @ shapes
+    total = extension.copy()
+    for k in range(load.shape[1]):
+        y = operator.response[0, k] * load[0, k]
+        roll = operator.response[1, k] * load[1, k]
+        row, sign = operator.fold_index[k], operator.fold_sign[k]
+        total[0, row] += sign * operator.gain[0] * (y - operator.foot * roll)
+        total[1, row] += sign * operator.gain[1] * roll
+    fasteners = solve_fasteners(operator, total)
+    taken = _fastener_wave_force(operator, fasteners)
+    quarter, half = 0.25 * step * step, 0.5 * step
+    for k in range(load.shape[1]):
+        for branch in range(3):
+            direction = 1 if branch == 2 else 0
+            a = (
+                operator.weight[branch, k]
+                * operator.amplitude[branch, k]
+                * (load[direction, k] - taken[direction, k])
+            )
+            state[0, branch, k] += quarter * a
+            state[1, branch, k] += half * a
+            state[2, branch, k] += a
+    return fasteners
+
+
+@numba.njit(cache=True)
+def wheel_compliance(operator, position, out):
+    """Modal compliance (y/F, y/M, roll/M) under a wheel at ``position``, m, into ``out`` (3,)."""
+    bays = position / operator.spacing + 0.5
+    phase = (bays - np.floor(bays)) * PHASES
+    row = int(phase)
+    f = phase - row
+    for i in range(3):
+        p0, p1 = operator.compliance[row, i], operator.compliance[row + 1, i]
+        p2 = operator.compliance[row + 2, i]
+        p3 = operator.compliance[min(row + 3, PHASES + 2), i]
+        out[i] = p1 + 0.5 * f * (
+            p2 - p0 + f * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + f * (3.0 * (p1 - p2) + p3 - p0))
+        )
