@@ -55,6 +55,20 @@ def test_body_follows_wheelsets_raised_together():
     assert coordinates[2:42:6] == pytest.approx(np.full(7, height), rel=1e-12)
 
 
+def test_shift_to_the_side_is_rigid_and_keeps_the_vehicle_at_rest():
+    """The whole vehicle moves, no suspension is strained: under static forces it stays there."""
+    shift, height = 5.0e-3, 1.0e-4
+    model = VehicleModel(PAPER.replace(initial_lateral_displacement=shift))
+    expected = VehicleModel(PAPER).initial_state([height] * 4).coordinates
+    expected[:42] += shift * rigid_motions(PAPER)[1, :42]
+    assert model.initial_state([height] * 4).coordinates == pytest.approx(expected, abs=1e-15)
+    state, forces = model.initial_state(), model.static_forces
+    for _ in range(1000):
+        state, outputs = model.step(state, forces, forces, 1e-3)
+    assert outputs.motion[:, 1] == pytest.approx(np.full(4, shift), rel=1e-9)
+    assert np.abs(state.rates[WHEELSET_COORDINATES[:, [1, 3, 5]]]).max() < 1e-10
+
+
 def test_any_heights_of_the_wheelsets_leave_their_loads_nearly_equal():
     # Bogies pitch and the car body pitches freely on them, so four heights are no constraint.
     model = VehicleModel(PAPER)

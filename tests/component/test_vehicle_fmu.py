@@ -179,6 +179,15 @@ def test_heights_of_the_wheelsets_are_where_it_starts():
     assert numbers(lines[0]) == pytest.approx([1e-5, 2e-5, 3e-5, 4e-5])
 
 
+def test_vehicle_starts_shifted_to_the_side():
+    lines = run("""
+        host = Host(F).initialize(initial_lateral_displacement=5e-3)
+        print(*(host.get(f"wheelset[{i}].lateral_displacement") for i in (1, 2, 3, 4)))
+        host.close()
+    """)
+    assert numbers(lines[0]).tolist() == [5e-3] * 4
+
+
 def test_impossible_parameter_stops_the_run_with_its_name():
     lines = run("""
         for name, value in [

@@ -49,6 +49,9 @@ SPINS = np.array([coordinate(body, PITCH) for body in WHEELSETS])
 FREE = np.setdiff1d(np.arange(COORDINATE_COUNT), np.append(SPINS, HELD))
 """Indices of the 45 coordinates of the linear system."""
 
+LATERAL = np.array([coordinate(body, Y) for body in range(BODY_COUNT)])
+"""Indices of the lateral displacements of the seven bodies, shape (7,)."""
+
 WHEELSET_COORDINATES = np.array(
     [[coordinate(body, direction) for direction in range(6)] for body in WHEELSETS]
 )

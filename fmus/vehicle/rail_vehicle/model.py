@@ -8,7 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rail_vehicle.arrangement import wheelset_positions
-from rail_vehicle.coordinates import COORDINATE_COUNT, FREE, ROLL, WHEELSET_COORDINATES, YAW, Y, Z
+from rail_vehicle.coordinates import (
+    COORDINATE_COUNT,
+    FREE,
+    LATERAL,
+    ROLL,
+    WHEELSET_COORDINATES,
+    YAW,
+    Y,
+    Z,
+)
 from rail_vehicle.errors import StepError
 from rail_vehicle.integration import OperatorCache, contraction
 from rail_vehicle.kernel import (
@@ -180,8 +189,10 @@ class VehicleModel:
         """Return the vehicle at rest in the moving frame, its wheelsets at given heights.
 
         The wheelsets are held at these heights (m, downwards, shape (4,)),
-        upright and centred; everything else is in static equilibrium with
-        that. The wheels roll at ``speed`` (by default the parameter's).
+        upright and not yawed; everything else is in static equilibrium with
+        that. All bodies are then shifted sideways by the parameter
+        ``initial_lateral_displacement``, which strains no suspension. The wheels
+        roll at ``speed`` (by default the parameter's).
         """
         heights = np.asarray(initial_vertical_displacement, dtype=float)
         speed = self.parameters.speed if speed is None else float(speed)
@@ -194,6 +205,7 @@ class VehicleModel:
         if heights.any():
             load = -stiffness[np.ix_(loose, vertical)] @ heights
             coordinates[loose] = np.linalg.solve(stiffness[np.ix_(loose, loose)], load)
+        coordinates[LATERAL] += self.parameters.initial_lateral_displacement
         vector = np.zeros(VECTOR_COUNT)
         vector[:FREE_COUNT] = coordinates[FREE]
         vector[PITCH_RATES : PITCH_RATES + 4] = self._rolling_spin(speed)

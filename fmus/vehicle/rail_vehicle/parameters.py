@@ -389,6 +389,13 @@ class VehicleParameters(ParameterSet):
     initial_position: float = quantity(
         0.0, "m", "Longitudinal position of the leading wheelset at the start", symbol="x_0"
     )
+    initial_lateral_displacement: float = quantity(
+        0.0,
+        "m",
+        "Lateral displacement of the whole vehicle at the start, without deforming it",
+        symbol="y_0",
+        nominal=5e-3,
+    )
     gravity: float = _field(9.81, "m/s2", "Acceleration of free fall", at_least=0.0, symbol="g")
     car_body: CarBody = CarBody()
     bogie: Bogie = Bogie()

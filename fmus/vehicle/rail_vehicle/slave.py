@@ -28,7 +28,7 @@ _HEIGHTS = tuple(f"wheelset[{i}].initial_vertical_displacement" for i in _NUMBER
 _FORCES = tuple(f"wheelset[{i}].contact.{name}" for i in _NUMBERS for name, _, _ in CONTACT)
 _INPUT_TIME = "coupling.input_time"
 _FORCE_ORDER = "coupling.force_order"
-_RUN_SETTINGS = ("speed", "initial_position")
+_RUN_SETTINGS = ("speed", "initial_position", "initial_lateral_displacement")
 
 
 def preset_values(parameters: ParameterSet) -> dict[str, Any]:
