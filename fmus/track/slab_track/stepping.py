@@ -23,7 +23,7 @@ from slab_track.wheels import contact_forces, rail_motion, solve_wheel
 
 _SQRT_HALF = np.sqrt(0.5)
 _SWEEPS = 20
-_SWEEP_TOLERANCE = 1e-11
+_SWEEP_TOLERANCE = 1e-10
 """Change of a deflection under one wheel by the others, m, that needs no further sweep."""
 
 APPLIED, VERTICAL, PROFILES = 0, 1, 2

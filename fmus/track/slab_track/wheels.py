@@ -28,7 +28,7 @@ from slab_track.contact.wheelset import (
     locate_wheel,
 )
 
-_TOLERANCE = 1e-2
+_TOLERANCE = 0.1
 """Change of a rail force, N, below which a wheel's iteration ends."""
 
 _ITERATIONS = 60

@@ -20,7 +20,7 @@ def place_window(p: TrackParameters, positions: np.ndarray) -> float:
 
     Slabs lie at whole multiples of the pitch on the line. The wheels are as far
     from both ends as they can be at the worst instant between two slides; with
-    ``moving_mass`` they start at most 20 m from the rear end.
+    ``moving_mass`` they start 15 m from the rear end or a pitch more.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def place_window(p: TrackParameters, positions: np.ndarray) -> float:
             f"{p.window_length - p.pitch - 2.0 * END_MARGIN:g} m; "
             "raise window.slab_count"
         )
-    margin = 0.5 * spare if p.window.method == "sliding" else min(0.5 * spare, 20.0)
+    margin = 0.5 * spare if p.window.method == "sliding" else min(0.5 * spare, 15.0)
     return float(np.floor((rear - margin) / p.pitch) * p.pitch)
 
 
