@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from slab_track.contact.geometry import ContactGeometry
 from slab_track.contact.hertz import contact_modulus, hertz_factors
 from slab_track.contact.kalker import kalker_coefficients
-from slab_track.contact.overlap import COLUMN_COUNT, overlap_patch
+from slab_track.contact.overlap import COLUMN_COUNT, HEIGHT, overlap_patch
 from slab_track.contact.parameters import ContactParameters, Steel
 from slab_track.contact.profile_file import load_profile
 
@@ -190,6 +190,10 @@ def _fill_row(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, flange, spacing,
 def _continue_ends(found, out):
     """Where profiles are beside each other, repeat the nearest patch: it never touches."""
     present = np.nonzero(found)[0]
+    if present.size == 0:  # A zone that the profile lacks, as a flange: 1 m away everywhere.
+        out[:] = 0.0
+        out[:, HEIGHT] = 1.0
+        return
     for shift in range(found.size):
         if not found[shift]:
             out[shift] = out[present[np.argmin(np.abs(present - shift))]]
