@@ -139,6 +139,15 @@ def run(
     distance: Annotated[
         float, typer.Option(help="Way of the leading wheelset.", metavar="M")
     ] = 100.0,
+    irregularity: Annotated[
+        str | None,
+        typer.Option(
+            help="Irregularity of the track: german_low, german_high, chinese_ballastless (random, "
+            "see track.irregularity.seed), rail_joint (both rails, half way), or a CSV or NetCDF "
+            "file by distance.",
+            metavar="NAME|FILE",
+        ),
+    ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -163,7 +172,18 @@ def run(
     """Run vehicle and track together and print a summary.
 
     Parameters come from the parameter sets of --line and --vehicle, then from
-    --speed, then from --set; the last one wins. All in SI units but --speed.
+    --speed and --irregularity, then from --set; the last one wins. All in SI
+    units but --speed.
+
+    Examples:
+
+      rail-cosim run --speed 300 --distance 200 --irregularity german_low --plot run.png
+
+      rail-cosim run --irregularity german_low --set track.irregularity.seed=2
+
+      rail-cosim run --irregularity rail_joint --set track.irregularity.rail_joint.position=40
+
+      rail-cosim run --irregularity measured.csv --out run.nc
     """
     from rail_cosim.options import RunOptions
     from rail_cosim.runner import execute
@@ -175,6 +195,7 @@ def run(
             track=track,
             speed=speed,
             distance=distance,
+            irregularity=irregularity,
             settings=settings or [],
             macro_step=macro_step,
             algorithm=algorithm,

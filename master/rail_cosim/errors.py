@@ -43,16 +43,25 @@ class UnknownNameError(ParameterError):
     """A parameter, preset or algorithm that does not exist.
 
     ``wanted`` is what is looked up among ``names``: the name itself unless
-    given (for an option whose *value* is the unknown name).
+    given (for an option whose *value* is the unknown name). With ``listed``
+    all names are told, also beside a near one.
     """
 
     def __init__(
-        self, name: str, value: object, names: Iterable[str], what: str, wanted: str | None = None
+        self,
+        name: str,
+        value: object,
+        names: Iterable[str],
+        what: str,
+        wanted: str | None = None,
+        *,
+        listed: bool = False,
     ) -> None:
         known = list(names)
         close = nearest(name if wanted is None else wanted, known)
         if close:
             remedy = "did you mean " + " or ".join(close) + "?"
+            remedy += f" (there are {', '.join(known)})" if listed else ""
         elif 0 < len(known) <= 12:
             remedy = "there are " + ", ".join(known)
         else:

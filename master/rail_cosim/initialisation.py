@@ -5,8 +5,9 @@ The order of calls is part of the contract between the two FMUs:
  1. parameters of both; ``coupling.input_time`` as the algorithm needs it;
  2. both learn the span of time;
  3. the vehicle enters initialization mode: its wheelset motions are known;
- 4. wheelset motions -> track inputs; the vehicle's ``static_wheel_load`` -> the
-    track's parameter of the same name, unless the user has set that;
+ 4. wheelset motions -> track inputs; the vehicle's ``static_wheel_load`` and
+    ``wheelset.radius`` -> the track's ``static_wheel_load`` and
+    ``contact.wheel_radius``, unless the user has set those;
  5. the track enters initialization mode: it finds its own static deflection;
  6. the track's ``wheelset[i].static_vertical_displacement`` -> the vehicle's
     ``wheelset[i].initial_vertical_displacement``;
@@ -19,6 +20,7 @@ the terminals ``wheelset[i]`` alone run too.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from rail_cosim.slave import Slave, Value
@@ -27,8 +29,12 @@ from rail_cosim.system import SystemStructure
 Parameters = Mapping[str, Mapping[str, Value]]
 
 INPUT_TIME = "coupling.input_time"
-WHEEL_LOAD = "static_wheel_load"
+WHEEL_RADIUS, CONTACT_RADIUS = "wheelset.radius", "contact.wheel_radius"
 SPEED, SPEED_SETPOINT = "speed", "speed_setpoint"
+POSITION = "initial_position"
+
+PASSED = {"static_wheel_load": "static_wheel_load", WHEEL_RADIUS: CONTACT_RADIUS}
+"""What the vehicle tells the track before that finds its equilibrium: its name in either."""
 
 
 def initialise(
@@ -37,7 +43,7 @@ def initialise(
     parameters: Parameters,
     input_times: Mapping[str, str],
     stop_time: float,
-) -> None:
+) -> list[str]:
     """Initialise the slaves ``vehicle`` and ``track`` of a system.
 
     Parameters
@@ -51,6 +57,11 @@ def initialise(
     stop_time
         Planned end of the run in s.
 
+    Returns
+    -------
+    list[str]
+        What the user should know: values that contradict each other.
+
     Raises
     ------
     SlaveError
@@ -62,8 +73,9 @@ def initialise(
         slave.setup(0.0, stop_time)
     vehicle.enter_initialization()
     _pass_motions(system)
-    if WHEEL_LOAD not in parameters.get("track", {}):
-        _copy(vehicle, WHEEL_LOAD, track, WHEEL_LOAD)
+    for source, target in PASSED.items():
+        if target not in parameters.get("track", {}):
+            _copy(vehicle, source, track, target)
     track.enter_initialization()
     given = parameters.get("vehicle", {})
     for name in vehicle.variables:
@@ -75,6 +87,20 @@ def initialise(
         slave.exit_initialization()
     for port in system.ports:
         port.read_all()
+    return _contradictions(vehicle, parameters.get("track", {}))
+
+
+def _contradictions(vehicle: Slave, given: Mapping[str, Value]) -> list[str]:
+    """Return a warning if the user gave the track's contact other wheels than the vehicle has."""
+    if CONTACT_RADIUS not in given or WHEEL_RADIUS not in vehicle.variables:
+        return []
+    contact, own = float(given[CONTACT_RADIUS]), float(vehicle.get([WHEEL_RADIUS])[WHEEL_RADIUS])
+    if math.isclose(contact, own, rel_tol=1e-9):
+        return []
+    return [
+        f"track.{CONTACT_RADIUS} = {contact:g} m, but vehicle.{WHEEL_RADIUS} = {own:g} m: the "
+        "wheels start with the spin of one radius and roll on another; set only the vehicle's"
+    ]
 
 
 def _set_parameters(slave: Slave, given: Mapping[str, Value], times: Mapping[str, str]) -> None:

@@ -30,6 +30,9 @@ class RunOptions:
         In km/h; ``None`` for the vehicle's own.
     distance
         Way of the leading wheelset in m.
+    irregularity
+        A spectrum of the track FMU, ``rail_joint``, or a file (see
+        :func:`rail_cosim.irregularity.irregularity_parameters`); ``None`` for the track's own.
     settings
         Texts ``track.NAME=VALUE`` and ``vehicle.NAME=VALUE``; they come last and win.
     macro_step
@@ -49,6 +52,7 @@ class RunOptions:
     track: Path | None = None
     speed: float | None = None
     distance: float = 100.0
+    irregularity: str | None = None
     settings: Sequence[str] = ()
     macro_step: float = MACRO_STEP
     algorithm: str = GaussSeidel.name

@@ -24,8 +24,9 @@ from rail_cosim.builder import RECIPES, built_fmu
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import ParameterError, RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
-from rail_cosim.initialisation import SPEED, initialise
+from rail_cosim.initialisation import PASSED, POSITION, SPEED, initialise
 from rail_cosim.interrupts import InterruptNote
+from rail_cosim.irregularity import irregularity_parameters
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
@@ -77,6 +78,7 @@ def run(
     track: str | Path | None = None,
     speed: float | None = None,
     distance: float = 100.0,
+    irregularity: str | Path | None = None,
     settings: Mapping[str, Value] | None = None,
     macro_step: float = MACRO_STEP,
     algorithm: str = GaussSeidel.name,
@@ -93,6 +95,8 @@ def run(
         As in :class:`RunOptions`.
     speed
         In km/h, as on the command line.
+    irregularity
+        A spectrum of the track FMU, ``rail_joint``, or a file.
     settings
         Parameter values by full name: ``{"track.fastener.vertical_stiffness": 40e6}``.
     reporter
@@ -112,6 +116,7 @@ def run(
         track=None if track is None else Path(track),
         speed=speed,
         distance=distance,
+        irregularity=None if irregularity is None else str(irregularity),
         settings=[f"{name}={value}" for name, value in (settings or {}).items()],
         macro_step=macro_step,
         algorithm=algorithm,
@@ -168,6 +173,9 @@ def gather_parameters(
 ) -> dict[str, dict[str, Value]]:
     """Return all values to set, checked: presets, then options, then settings.
 
+    What the vehicle tells the track (:data:`rail_cosim.initialisation.PASSED`) is not taken
+    from the track's preset.
+
     Raises
     ------
     ParameterError
@@ -179,11 +187,26 @@ def gather_parameters(
     for name, preset in presets.items():
         found = read_preset(descriptions[name].path, preset, option_of[name])
         values[name].update(checked(name, known[name], found))
+    for source, target in PASSED.items():
+        if source in known["vehicle"]:
+            values["track"].pop(target, None)
     if options.speed is not None:
         speed = {SPEED: options.speed * KM_H}
         values["vehicle"].update(checked("vehicle", known["vehicle"], speed))
-    for name, given in parse_assignments(list(options.settings), known).items():
-        values[name].update(checked(name, known[name], given))
+    settings = {
+        name: checked(name, known[name], given)
+        for name, given in parse_assignments(list(options.settings), known).items()
+    }
+    values["vehicle"].update(settings["vehicle"])
+    if options.irregularity is not None:
+        found = irregularity_parameters(
+            options.irregularity,
+            known["track"],
+            start=float(values["vehicle"].get(POSITION, 0.0)),
+            distance=options.distance,
+        )
+        values["track"].update(checked("track", known["track"], found))
+    values["track"].update(settings["track"])
     return values
 
 
@@ -206,12 +229,14 @@ def _simulate(
             note.check()
         system = SystemStructure(slaves)
         reporter.stage("finding the static equilibrium")
-        initialise(
+        remarks = initialise(
             system,
             parameters=parameters,
             input_times=algorithm.input_times([slave.name for slave in slaves]),
             stop_time=_planned_time(options, parameters, descriptions["vehicle"]),
         )
+        for remark in remarks:
+            reporter.notice(remark)
         _pass_on_warnings(slaves, reporter)
         speed = running_speed(system)
         recorder = Recorder(system.ports, every=options.record_every)
