@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rail_cosim.builder import build as build
     from rail_cosim.runner import run as run
+    from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
 
-__all__ = ["build", "run", "summarise", "version"]
+__all__ = ["build", "run", "study", "summarise", "version"]
 
 _HOME = {
     "build": "rail_cosim.builder",
     "run": "rail_cosim.runner",
+    "study": "rail_cosim.studies",
     "summarise": "rail_cosim.summary",
 }
 

@@ -95,7 +95,9 @@ def build_one(recipe: Recipe, directory: Path) -> Path:
     entry = _origin(recipe.entry)
     directory.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-c", _WORKER, str(entry), str(directory), *recipe.packages]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=_environment())
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=child_environment()
+    )
     path = directory / f"{recipe.model}.fmu"
     if done.returncode != 0 or not path.is_file():
         lines = (done.stderr.strip() or done.stdout.strip()).splitlines()
@@ -104,7 +106,7 @@ def build_one(recipe: Recipe, directory: Path) -> Path:
     return path
 
 
-def _environment() -> dict[str, str]:
+def child_environment() -> dict[str, str]:
     """Return an environment in which a new process finds the modules that this one finds."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
 

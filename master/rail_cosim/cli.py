@@ -175,7 +175,7 @@ def run(
     --speed and --irregularity, then from --set; the last one wins. All in SI
     units but --speed.
 
-    Examples:
+    For example:
 
       rail-cosim run --speed 300 --distance 200 --irregularity german_low --plot run.png
 
@@ -212,6 +212,56 @@ def run(
             _kept(options.out)
             raise
         _summary(dataset)
+
+
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(help="critical-speed or contact-geometry.")],
+    quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
+    out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
+        "."
+    ),
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            help="A parameter of the study's runs: track.NAME=VALUE or vehicle.NAME=VALUE. "
+            "Repeat for more.",
+            metavar="NAME=VALUE",
+        ),
+    ] = None,
+) -> None:
+    """Do a study: prints its table and result, writes data (NetCDF) and plot.
+
+    critical-speed: runs at rising speeds on smooth track, the vehicle starting
+    5 mm off the middle, and narrows down the speed from which on this does not
+    die out. For speed the rails bend vertically only and have few modes; --set
+    wins over that.
+
+    contact-geometry: rolling-radius difference, contact angle and contact points
+    of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
+
+    For example:
+
+      rail-cosim study critical-speed --out studies --set vehicle.yaw_damper.damping=0
+
+      rail-cosim study contact-geometry --set track.contact.rail_profile=60E1
+    """
+    from rail_cosim.studies import StudyOptions, run_study
+
+    with _plain_errors():
+        options = StudyOptions(
+            out=out,
+            quick=quick,
+            settings=settings or [],
+            command=shlex.join(["rail-cosim", *sys.argv[1:]]),
+        )
+        with _progress() as terminal:
+            result = run_study(name, options, terminal)
+        _out.print(result.table)
+        _out.print(result.conclusion, markup=False, highlight=False, soft_wrap=True)
+        for path in result.files:
+            print(path)
 
 
 def _summary(dataset) -> None:

@@ -25,6 +25,7 @@ from slab_track.contact import (
 )
 from slab_track.parameters import Rail
 
+_PROGRAM = "slab_track.contact"
 _REACH = 8e-3  # m, lateral displacement to either side
 _AMPLITUDE = 3e-3  # m, of the equivalent conicity
 _SIDES = ("left", "right")
@@ -42,7 +43,16 @@ def main(arguments: list[str] | None = None) -> int:
             lateral, table.rolling_radius_difference, amplitude=_AMPLITUDE
         )
     except ParameterError as error:
-        print(f"slab_track.contact: error: {error}", file=sys.stderr)
+        print(f"{_PROGRAM}: error: {error}", file=sys.stderr)
+        return 2
+    except ValueError:
+        # No height or roll at which both wheels touch.
+        print(
+            f"{_PROGRAM}: error: a wheel finds no rail between -8 and 8 mm of lateral "
+            f"displacement: gauge {options.gauge:g} m and rolling circles "
+            f"{options.rolling_circle_distance:g} m apart do not fit each other",
+            file=sys.stderr,
+        )
         return 2
     columns = _columns(table)
     _print(options, columns, conicity)

@@ -1,0 +1,81 @@
+"""Studies: each makes one table or figure of the verification, with data and plot.
+
+A study is a module with a function ``run(options, reporter) -> StudyResult``; it is loaded
+when it is asked for.
+"""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rail_cosim.errors import UnknownNameError
+from rail_cosim.slave import Value
+from rail_cosim.studies.base import StudyOptions, StudyResult, make_directory
+
+if TYPE_CHECKING:
+    from rail_cosim.runner import Reporter
+
+__all__ = ["STUDIES", "StudyOptions", "StudyResult", "run_study", "study"]
+
+STUDIES = {
+    "critical-speed": "speed above which a lateral offset no longer dies out",
+    "contact-geometry": "contact of wheel and rail over the wheelset's lateral displacement",
+}
+"""What there is, by name; the module of ``some-name`` is ``some_name``."""
+
+
+def run_study(name: str, options: StudyOptions, reporter: Reporter) -> StudyResult:
+    """Do the study of this name.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none of this name.
+    """
+    if name not in STUDIES:
+        raise UnknownNameError("study", name, STUDIES, "study", wanted=name, listed=True)
+    make_directory(options.out)
+    module = import_module(f"{__name__}.{name.replace('-', '_')}")
+    return module.run(options, reporter)
+
+
+def study(
+    name: str,
+    *,
+    out: str | Path = ".",
+    quick: bool = False,
+    settings: Mapping[str, Value] | None = None,
+    reporter: Reporter | None = None,
+) -> StudyResult:
+    """Do a study; mirrors ``rail-cosim study``.
+
+    Parameters
+    ----------
+    name
+        One of :data:`STUDIES`.
+    out, quick
+        As in :class:`StudyOptions`.
+    settings
+        Parameter values by full name.
+    reporter
+        Told of stages, progress and warnings.
+
+    Raises
+    ------
+    RailCosimError
+        If it cannot be done.
+    """
+    from rail_cosim.runner import Quiet
+
+    options = StudyOptions(
+        out=Path(out),
+        quick=quick,
+        settings=[f"{key}={value}" for key, value in (settings or {}).items()],
+        command=shlex.join(sys.argv),
+    )
+    return run_study(name, options, reporter or Quiet())
