@@ -12,6 +12,7 @@ FloatArray = NDArray[np.float64]
 
 _FLOOR = 2e-5  # m; below it, what is left is not the motion that was started
 _SUSTAINED = 0.1  # share by which a sustained motion may change over the evaluated half
+_LEAST_PERIODS = 2.0  # in the evaluated half; nothing slower is looked for
 _FEWEST = 4  # blocks for a fit
 
 
@@ -64,7 +65,7 @@ def analyse(time: FloatArray, lateral: FloatArray) -> LateralMotion:
     """
     length = time[-1] - time[0]
     second = time >= time[0] + 0.5 * length
-    frequency = _dominant(time[second], lateral[second], lowest=2.0 * _FEWEST / length)
+    frequency = _dominant(time[second], lateral[second], lowest=2.0 * _LEAST_PERIODS / length)
     times, amplitude = _envelope(time, lateral, 1.0 / frequency)
     fitted = times >= time[0] + 0.5 * length
     rate = _slope(times[fitted], amplitude[fitted])
@@ -101,10 +102,10 @@ def _dominant(time: FloatArray, lateral: FloatArray, lowest: float) -> float:
 def _envelope(
     time: FloatArray, lateral: FloatArray, period: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Half the range in blocks of one period, each half a period after the last."""
+    """Half the range in blocks of one period, each a quarter of a period after the last."""
     step = (time[-1] - time[0]) / (len(time) - 1)
     size = max(2, round(period / step))
-    starts = np.arange(len(time) - size, -1, -max(1, size // 2))[::-1]  # the last ends the record
+    starts = np.arange(len(time) - size, -1, -max(1, size // 4))[::-1]  # the last ends the record
     ranges = [np.ptp(lateral[start : start + size], axis=0).max() for start in starts]
     return time[starts] + 0.5 * period, 0.5 * np.array(ranges)
 

@@ -1,0 +1,145 @@
+"""The option --irregularity, and the wheel radius that the vehicle passes to the track."""
+
+import master_mocks as mocks
+import pytest
+from master_mocks import variable
+from rail_cosim.description import FmuDescription
+from rail_cosim.errors import ParameterError, UnknownNameError
+from rail_cosim.initialisation import initialise
+from rail_cosim.irregularity import irregularity_parameters
+from rail_cosim.options import RunOptions
+from rail_cosim.runner import gather_parameters
+from rail_cosim.system import SystemStructure
+
+SPECTRA = {word: i for i, word in enumerate(("none", "german_low", "german_high"))}
+SIDES = {"none": 0, "both": 1}
+TRACK = {
+    v.name: v
+    for v in (
+        variable("irregularity.spectrum", "parameter", kind="string", choices=SPECTRA),
+        variable("irregularity.rail_joint.side", "parameter", kind="string", choices=SIDES),
+        variable("irregularity.rail_joint.position", "parameter", "m", start=20.0),
+        variable("irregularity.file.path", "parameter", kind="string", start=""),
+        variable("contact.wheel_radius", "parameter", "m", start=0.46, minimum=0.1),
+        variable("static_wheel_load", "parameter", "N"),
+    )
+}
+VEHICLE = {
+    v.name: v
+    for v in (
+        variable("initial_position", "parameter", "m"),
+        variable("speed", "parameter", "m/s", start=80.0),
+        variable("wheelset.radius", "parameter", "m", start=0.43),
+    )
+}
+JOINT = {"irregularity.rail_joint.side": "both", "irregularity.rail_joint.position": 60.0}
+
+
+def given(text, track=TRACK):
+    return irregularity_parameters(text, track, start=10.0, distance=100.0)
+
+
+def test_names_are_spectra_or_the_rail_joint_half_way():
+    assert given("german_low") == {"irregularity.spectrum": "german_low"}
+    assert given("rail_joint") == JOINT
+
+
+def test_a_file_becomes_an_absolute_path(tmp_path, monkeypatch):
+    (tmp_path / "line.csv").write_text("distance,level\n")
+    monkeypatch.chdir(tmp_path)
+    path = str((tmp_path / "line.csv").resolve())
+    assert given("line.csv") == {"irregularity.file.path": path}
+
+
+def test_an_unknown_name_is_refused_with_the_nearest_and_all_names():
+    message = (
+        r"--irregularity = 'german_lo': there is no irregularity and no file of this name; did you "
+        r"mean german_low.*\(there are none, german_low, german_high, rail_joint\)"
+    )
+    with pytest.raises(UnknownNameError, match=message) as caught:
+        given("german_lo")
+    assert caught.value.exit_status == 2
+    with pytest.raises(UnknownNameError, match="there are none, german_low, german_high"):
+        given("swell")
+
+
+def test_a_track_without_irregularities_is_told(tmp_path):
+    with pytest.raises(ParameterError, match=r"has no irregularities; .* irregularity\.spectrum"):
+        given("rail_joint", {})
+    path = tmp_path / "line.csv"
+    path.touch()
+    with pytest.raises(ParameterError, match="takes no irregularity from a file"):
+        given(str(path), {})
+
+
+def gathered(track=TRACK, vehicle=VEHICLE, **options):
+    descriptions = {
+        name: FmuDescription(
+            path=None, model_name=name, identifier=name, guid="", variables=variables
+        )
+        for name, variables in (("track", track), ("vehicle", vehicle))
+    }
+    return gather_parameters(RunOptions(**options), descriptions, {})
+
+
+def test_the_option_starts_from_the_vehicles_position():
+    found = gathered(
+        irregularity="rail_joint", distance=100.0, settings=["vehicle.initial_position=10"]
+    )
+    assert found["track"] == JOINT
+
+
+def test_settings_win_over_the_option():
+    text = "track.irregularity.rail_joint.position=33"
+    found = gathered(irregularity="rail_joint", settings=[text])
+    assert found["track"] == JOINT | {"irregularity.rail_joint.position": 33.0}
+
+
+@pytest.mark.parametrize(
+    ("vehicle", "expected"), [(VEHICLE, {}), ({}, {"contact.wheel_radius": 0.46})]
+)
+def test_a_lines_preset_does_not_decide_on_the_vehicles_wheels(monkeypatch, vehicle, expected):
+    preset = {"contact.wheel_radius": "0.46"}
+    monkeypatch.setattr("rail_cosim.runner.read_preset", lambda *_: preset)
+    descriptions = {
+        "track": FmuDescription(path=None, model_name="", identifier="", guid="", variables=TRACK),
+        "vehicle": FmuDescription(
+            path=None, model_name="", identifier="", guid="", variables=vehicle
+        ),
+    }
+    options = RunOptions(line="HD")
+    assert gather_parameters(options, descriptions, {"track": "HD"})["track"] == expected
+
+
+def initialised(track_given, *, radius=0.43):
+    contact = variable("contact.wheel_radius", "parameter", "m", start=0.46)
+    own = variable("wheelset.radius", "parameter", "m", start=radius)
+    calls = []
+    system = SystemStructure(
+        [
+            mocks.MockTrack(extra=[contact], calls=calls),
+            mocks.MockVehicle(extra=[own], calls=calls),
+        ]
+    )
+    system["track"].data.update(track_given)
+    remarks = initialise(system, parameters={"track": track_given}, input_times={}, stop_time=1.0)
+    return system, remarks, calls
+
+
+def test_the_track_gets_the_vehicles_wheel_radius_before_it_finds_its_equilibrium():
+    system, remarks, calls = initialised({})
+    assert system["track"].data["contact.wheel_radius"] == 0.43
+    assert remarks == []
+    passed = calls.index(("track", "set", "contact.wheel_radius"))
+    assert passed < calls.index(("track", "enter_initialization"))
+
+
+def test_a_wheel_radius_set_apart_is_kept_with_a_warning():
+    system, remarks, _ = initialised({"contact.wheel_radius": 0.5})
+    assert system["track"].data["contact.wheel_radius"] == 0.5
+    (text,) = remarks
+    assert text.startswith("track.contact.wheel_radius = 0.5 m, but vehicle.wheelset.radius = 0.43")
+
+
+def test_equal_wheel_radii_are_no_matter_for_a_warning():
+    assert initialised({"contact.wheel_radius": 0.43})[1] == []
