@@ -235,8 +235,7 @@ def study(
 
     critical-speed: runs at rising speeds on smooth track, the vehicle starting
     5 mm off the middle, and narrows down the speed from which on this does not
-    die out. For speed the rails bend vertically only and have few modes; --set
-    wins over that.
+    die out. To be quick it takes few modes and long steps; --set wins over that.
 
     contact-geometry: rolling-radius difference, contact angle and contact points
     of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
