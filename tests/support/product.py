@@ -61,13 +61,13 @@ class Product:
         return subprocess.Popen(command, env=self.environment(), **keywords)
 
     def command(
-        self, *arguments: object, status: tuple[int, ...] = (0,)
+        self, *arguments: object, status: tuple[int, ...] = (0,), timeout: float = 300.0
     ) -> subprocess.CompletedProcess[str]:
         """Run ``rail-cosim`` and demand one of these exit statuses."""
         pipe = subprocess.PIPE
         with self.start(*arguments, stdout=pipe, stderr=pipe, text=True) as process:
             try:
-                out, err = process.communicate(timeout=300)
+                out, err = process.communicate(timeout=timeout)
             except subprocess.TimeoutExpired:
                 process.kill()
                 raise
