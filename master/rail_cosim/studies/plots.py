@@ -37,7 +37,9 @@ def plot_critical_speed(
     for one, colour in zip(attempts, colours, strict=True):
         label = f"{one.speed:.5g} km/h"
         if one.motion is None:
-            upper.plot([], [], color=colour, label=f"{label}, derails")
+            # Too short for an envelope: the largest displacement so far.
+            reached = np.maximum.accumulate(np.abs(one.lateral).max(axis=1)) * _MM
+            upper.semilogy(one.time, reached, ":", color=colour, lw=1.4, label=f"{label}, derails")
             continue
         style = "-" if one.stable else "--"
         motion = one.motion
@@ -46,7 +48,9 @@ def plot_critical_speed(
         )
     upper.set_xlabel("time (s)")
     upper.set_ylabel("lateral amplitude (mm)")
-    upper.set_title("amplitude of the wheelsets; dashed: does not die out", loc="left", fontsize=10)
+    upper.set_title(
+        "amplitude of the wheelsets; dashed, dotted: does not die out", loc="left", fontsize=10
+    )
     upper.grid(**_GRID)
     upper.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8)
     speeds = [one.speed for one in attempts]
@@ -55,9 +59,12 @@ def plot_critical_speed(
     lower.plot(speeds, rates, color="0.7", lw=0.8, zorder=1)
     for stable, colour, word in ((True, _BLUE, "dies out"), (False, _RED, "does not die out")):
         chosen = [i for i, one in enumerate(attempts) if one.stable is stable]
-        if chosen:
+        if np.isfinite(np.array(rates)[chosen]).any():
             x, y = np.array(speeds)[chosen], np.array(rates)[chosen]
             lower.plot(x, y, "o", color=colour, ms=5, label=word, zorder=2)
+    derailed = [one.speed for one in attempts if one.motion is None]
+    if derailed:
+        lower.plot(derailed, np.zeros(len(derailed)), "x", color=_RED, label="derails")
     low, high = bracket
     if low is not None and high is not None:
         lower.axvspan(low, high, color=_RED, alpha=0.25, lw=0, label="critical speed")
