@@ -94,7 +94,7 @@ def test_profiles_on_held_rails_are_the_vertical_model():
 
 
 def test_rail_joint_gives_two_peaks_and_lifts_the_wheel():
-    """Fig. 6: P1 on the short dip's rise within about a millisecond, P2 of the rail some ms later."""
+    """Fig. 6: P1 on the short dip's rise within about a ms, P2 of the rail some ms later."""
     joint = RailJointParameters(side="both", position=12.0)
     history, lateral = go(20.0, irregularity=IrregularityParameters(rail_joint=joint))
     force, place = history.normal_force[:, 0, 0], history.position[:, 0] - 12.0
