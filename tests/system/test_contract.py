@@ -57,6 +57,7 @@ COUNT = None  # a number without a unit
 VEHICLE_PARAMETERS = {
     "speed": "m/s",
     "initial_position": "m",
+    "initial_lateral_displacement": "m",
     "car_body.mass": "kg",
     "car_body.roll_inertia": "kg.m2",
     "car_body.pitch_inertia": "kg.m2",
@@ -83,11 +84,20 @@ TRACK_PARAMETERS = {
     "rail.area": "m2",
     "rail.vertical_second_moment": "m4",
     "rail.vertical_shear_coefficient": "1",
+    "rail.lateral_second_moment": "m4",
+    "rail.lateral_shear_coefficient": "1",
+    "rail.polar_second_moment": "m4",
+    "rail.torsional_stiffness": "N.m2",
+    "rail.gauge": "m",
+    "rail.gauge_measurement_depth": "m",
+    "rail.cant": "1",
     "rail.mode_count": COUNT,
     "fastener.spacing": "m",
     "fastener.count_per_slab": COUNT,
     "fastener.vertical_stiffness": "N/m",
     "fastener.vertical_damping": "N.s/m",
+    "fastener.lateral_stiffness": "N/m",
+    "fastener.lateral_damping": "N.s/m",
     "slab.length": "m",
     "slab.width": "m",
     "slab.thickness": "m",
@@ -101,6 +111,7 @@ TRACK_PARAMETERS = {
     "slab_support.vertical_damping": "N.s/m",
     "window.slab_count": COUNT,
     "window.sample_count": COUNT,
+    "contact.friction_coefficient": "1",
     "contact.rolling_circle_distance": "m",
     "contact.hertz_constant": "m/N^(2/3)",
     "contact.wheel_radius": "m",
@@ -115,6 +126,10 @@ TEXTS = {
         "slab_support.basis": "per_bay",
         "window.method": "sliding",
         "window.slide_solver": "least_squares",
+        "contact.wheel_profile": "S1002",
+        "contact.rail_profile": "CHN60",
+        "irregularity.spectrum": "none",
+        "irregularity.file.path": "",
         "interface": "contact",
     },
 }
@@ -253,8 +268,8 @@ def test_presets_are_packed(fmus):
         assert {f"resources/presets/{name}.ssv" for name in names} <= set(packed)
 
 
-def test_rebuild_is_identical(fmus, tmp_path):
-    """With an empty cache, so that the FMUs are really built again."""
-    again = build(tmp_path / "fmus", tmp_path / "cache")
-    for first, second in zip(fmus.both, again.both, strict=True):
+def test_rebuild_is_identical(tmp_path):
+    """Each with an empty cache, so that the FMUs are really built twice."""
+    one, other = (build(tmp_path / name / "fmus", tmp_path / name / "cache") for name in "ab")
+    for first, second in zip(one.both, other.both, strict=True):
         assert first.read_bytes() == second.read_bytes()
