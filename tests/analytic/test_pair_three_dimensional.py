@@ -45,6 +45,7 @@ def go(distance, vehicle=None, speed=SPEED, modes=MODES, motion="full", **parame
     """Run; return the history and the lateral displacements (time, 7 bodies)."""
     vehicle = vehicle or Disturbed(speed)
     rail = Rail(mode_count=modes, motion=motion)
+    parameters.setdefault("contact", ContactParameters(model="profiles"))
     track = TrackModel(TrackParameters(rail=rail, **parameters))
     history = run_staggered(track, vehicle, distance=distance, speed=speed, step=STEP)
     return history, np.array(vehicle.lateral)
@@ -82,7 +83,7 @@ HERTZ = 4.221e-8
 def test_profiles_on_held_rails_are_the_vertical_model():
     """The same Hertz constant and rails held sideways: 0.5 %; all free: reported."""
     level, _ = go(35.0, contact=ContactParameters(model="vertical", hertz_constant=HERTZ))
-    profiles = ContactParameters(hertz_constant=HERTZ)
+    profiles = ContactParameters(model="profiles", hertz_constant=HERTZ)
     held, _ = go(35.0, motion="vertical", contact=profiles)
     free, _ = go(35.0, contact=profiles)
     wanted, found, loose = amplitudes(level), amplitudes(held), amplitudes(free)

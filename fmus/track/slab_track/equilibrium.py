@@ -21,7 +21,7 @@ _FIRST_APPROACH = 7e-5
 """Guess of the penetration under the static load, m."""
 
 BESIDE_THE_RAILS = (
-    "a wheelset stands beside its rails: its lateral displacement or roll angle is beyond 14 mm "
+    "a wheelset stands beside its rails: its lateral displacement or roll angle is beyond 22 mm "
     "or 20 mrad from the rails' own; check wheelset[i].lateral_displacement and "
     "wheelset[i].roll_angle at the start, rail.gauge and the profiles"
 )

@@ -37,7 +37,7 @@ from slab_track.vertical import FieldState, step_operator
 from slab_track.window import END_MARGIN, check_margins, place_window, slide_fields
 
 _DERAILED = (
-    "a wheel left its rail: its lateral displacement or roll is beyond 14 mm or 20 mrad from the "
+    "a wheel left its rail: its lateral displacement or roll is beyond 22 mm or 20 mrad from the "
     "rail's own, or its contact force could not be found (derailment)"
 )
 

@@ -16,6 +16,12 @@ from slab_track.presets import LINES
 from slab_track.stepping import WheelState
 from slab_track.vertical import FieldState
 
+LEVEL_CONTACT = (
+    "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
+    "are zero; contact.model = profiles has wheel and rail profiles, creep forces, lateral motion "
+    "and torsion of the rails"
+)
+
 _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
 
 _NESTED: dict[str, Any] = {
@@ -64,6 +70,9 @@ class TrackSlave(RailSlave):
 
     def start(self) -> None:
         """Say what the user should know, and compile before time matters."""
+        parameters = self._model.parameters
+        if parameters.interface == "contact" and parameters.contact.model == "vertical":
+            self.info(LEVEL_CONTACT)
         for remark in self._model.irregularity.remarks:
             self.warn(remark)
         self._model.prepare()

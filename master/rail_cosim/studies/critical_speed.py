@@ -35,6 +35,7 @@ _LATERAL = "wheelset_lateral_displacement"
 # must keep their lateral motion: on rigid ones the critical speed comes out too high.
 COARSE = (
     "vehicle.initial_lateral_displacement=0.005",
+    "track.contact.model=profiles",
     "track.rail.mode_count=100",
     "track.slab.mode_count=12",
     "track.integration.maximum_step=5e-4",

@@ -29,11 +29,11 @@ class ContactParameters(ParameterSet):
 
     GROUP = "contact"
     model: str = quantity(
-        "profiles",
+        "vertical",
         "1",
-        "profiles: contact of real profiles with creep forces; vertical: eq. (1) on a level "
-        "tread at the rolling circle, no creep forces",
-        choices=("profiles", "vertical"),
+        "vertical: eq. (1) on a level tread at the rolling circle, no creep forces, rails held "
+        "laterally; profiles: contact of real profiles with creep forces in three dimensions",
+        choices=("vertical", "profiles"),
     )
     wheel_profile: str = quantity(
         "S1002",

@@ -19,13 +19,13 @@ from slab_track.contact.overlap import COLUMN_COUNT, HEIGHT, overlap_patch
 from slab_track.contact.parameters import ContactParameters, Steel
 from slab_track.contact.profile_file import load_profile
 
-LATERAL_LIMIT = 0.014
+LATERAL_LIMIT = 0.022
 """Largest tabulated shift of a wheel against its rail (m)."""
 
 ROLL_LIMIT = 0.020
 """Largest tabulated roll of a wheel against its rail (rad)."""
 
-_LATERAL_STEPS = 560
+_LATERAL_STEPS = 880
 _ROLL_STEPS = 40
 _RATIO_LIMIT = 9.0
 _RATIO_COUNT = 361
