@@ -7,6 +7,7 @@ from runs import run
 
 # The options are tested here, not the mechanics: few modes and long steps.
 COARSE = (
+    "track.contact.model=profiles",
     "track.rail.motion=vertical",
     "track.rail.mode_count=100",
     "track.slab.mode_count=12",
