@@ -15,6 +15,7 @@ from slab_track.parameters import (
 from slab_track.plate import free_plate_modes, seat_compliance
 from slab_track.rail import static_flexibility, timoshenko_modes, vertical_modes
 from slab_track.statics import static_coordinates
+from slab_track.waves import waves
 
 RAIL = Rail()
 EI = RAIL.youngs_modulus * RAIL.vertical_second_moment
@@ -52,8 +53,7 @@ def test_branches_solve_equations_6a_and_6b():
 
 def test_euler_limit():
     modes = timoshenko_modes(
-        length=10.0,
-        count=3,
+        waves(10.0, 3),
         bending_stiffness=1e6,
         shear_stiffness=1e13,
         mass_per_length=50.0,

@@ -6,10 +6,12 @@ everything that exists left and right, the track falls into two systems that do
 not know each other: the symmetric one with the slab modes even in y (bounce,
 pitch, bending) and the antisymmetric one with the odd ones (roll, twist).
 
-Fasteners are equidistant across slab joints, at :math:`x_i=(i-1/2)l_0`. There
-the shapes sin(k pi x/l) of all k repeat those of the first P = l/l_0 wave
-numbers (up to a sign): a sum over all modes at all fasteners folds to a P x P
-product.
+Waves that look alike at the fasteners are summed together (:mod:`slab_track.waves`).
+
+The shortest waves follow their forces without inertia. The passage is smooth: of wave
+number kappa the share s(kappa) of the compliance is that of the moving modes, the rest is
+static. A sharp end of the modal series would surround every force with a ripple that dies
+out like 1/x, along the whole window; it is cut off when the window slides.
 """
 
 from typing import NamedTuple
@@ -19,6 +21,7 @@ import numpy as np
 from slab_track.parameters import TrackParameters
 from slab_track.plate import PlateModes, free_plate_modes, seat_compliance
 from slab_track.rail import RailModes, static_flexibility, vertical_modes
+from slab_track.waves import Waves, fastener_shapes, fold_table, waves
 
 SYMMETRIC, ANTISYMMETRIC = 0, 1
 
@@ -56,14 +59,19 @@ class LinearTrack(NamedTuple):
         Modes of one rail (the same for both symmetry classes).
     slabs
         Symmetric and antisymmetric slab system.
+    participation
+        Deflection of the rail per unit modal coordinate as forces feel it, (2, N): the modes'
+        own, times the root of the share s.
     fastener_sines
-        sin(kappa pi (i - 1/2) / P), shape (P, P): row kappa - 1, column fastener.
+        Shapes of the first P waves at the fasteners, (P, P): row wave, column fastener.
     fold_index, fold_sign
-        For every wave number the row of ``fastener_sines`` it repeats and its sign
+        For every wave the row of ``fastener_sines`` it repeats and its sign
         (0 where the shape vanishes at all fasteners), shape (N,).
+    fine
+        The waves whose compliance is static, wholly or in part: the first R waves.
     residual_flexibility
-        Static deflection per unit wave force of the wave numbers N+1, N+2, ... that the
-        modal series leaves out, m/N, shape (R,); empty without residual compliance.
+        Their static deflection per unit wave force, m/N, shape (R,); zero where the modes move
+        with their full share, empty without residual compliance.
     stiffness, damping
         Of one fastener, N/m and N.s/m.
     slab_count, seat_count
@@ -73,10 +81,12 @@ class LinearTrack(NamedTuple):
     """
 
     rail: RailModes
+    participation: np.ndarray
     slabs: tuple[SlabSystem, SlabSystem]
     fastener_sines: np.ndarray
     fold_index: np.ndarray
     fold_sign: np.ndarray
+    fine: Waves
     residual_flexibility: np.ndarray
     stiffness: float
     damping: float
@@ -102,14 +112,13 @@ class LinearTrack(NamedTuple):
         return folded[self.fold_index] * sign
 
     @property
-    def residual_wave_number(self) -> np.ndarray:
-        """Wave numbers of the residual, rad/m, shape (R,)."""
-        first = self.rail.wave_number.size + 1
-        return np.pi / self.length * np.arange(first, first + self.residual_flexibility.size)
+    def ring(self) -> bool:
+        """True if the track closes on itself."""
+        return self.rail.waves.ring
 
     def wave_shapes(self, x: np.ndarray) -> np.ndarray:
-        """Return sin(k pi x / l) at positions x in the window, shape (N, points)."""
-        return np.sin(np.outer(self.rail.wave_number, x))
+        """Return the shapes of the modal waves at positions x in the window, (N, points)."""
+        return self.rail.waves.shapes(x)
 
     def fastener_admittance(
         self, rail_weight: np.ndarray, slab_weight: np.ndarray, symmetry: int
@@ -120,7 +129,7 @@ class LinearTrack(NamedTuple):
         force: 1/omega2 gives the static compliance, the integrator's own weight the
         response within a step.
         """
-        beta = np.sum(self.rail.deflection**2 * rail_weight, axis=0)
+        beta = np.sum(self.participation**2 * rail_weight, axis=0)
         classes = np.zeros(self.fastener_count)
         np.add.at(classes, self.fold_index, beta * self.fold_sign**2)
         seats = self.slabs[symmetry].seats
@@ -128,25 +137,15 @@ class LinearTrack(NamedTuple):
 
     def fastener_residual(self, symmetry: int) -> np.ndarray:
         """Return the static compliance of all modes left out at the fasteners, (P, P), m/N."""
-        first = self.rail.wave_number.size
-        index, sign = fold_table(first + self.residual_flexibility.size, self.fastener_count)
-        classes = np.zeros(self.fastener_count)
-        np.add.at(classes, index[first:], self.residual_flexibility * sign[first:] ** 2)
+        count, classes = self.residual_flexibility.size, np.zeros(self.fastener_count)
+        index, sign = fold_table(count, self.fastener_count, ring=self.ring)
+        np.add.at(classes, index[:count], (self.residual_flexibility * sign[:count] ** 2))
         return self._over_fasteners(classes, self.slabs[symmetry].residual)
 
     def _over_fasteners(self, classes: np.ndarray, block: np.ndarray) -> np.ndarray:
         """Rail part by folded wave numbers (P,) and slab part (C, C), over all fasteners."""
         rail = self.fastener_sines.T @ (classes[:, None] * self.fastener_sines)
         return rail + np.kron(np.eye(self.slab_count), block)
-
-
-def fold_table(mode_count: int, fastener_count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Row and sign that sin(k pi (i-1/2)/P) takes among the first P wave numbers."""
-    k = np.arange(1, mode_count + 1)
-    turn, rest = np.divmod(k, 2 * fastener_count)
-    mirrored = np.where(rest > fastener_count, 2 * fastener_count - rest, rest)
-    sign = np.where(turn % 2 == 0, 1.0, -1.0) * (mirrored > 0)
-    return np.maximum(mirrored - 1, 0), sign
 
 
 def plate_modes(parameters: TrackParameters) -> PlateModes:
@@ -207,24 +206,45 @@ def _positive(compliance: np.ndarray) -> np.ndarray:
 
 def assemble(parameters: TrackParameters) -> LinearTrack:
     """Build the linear track of a window from its parameters."""
-    count = parameters.fastener_count
-    index, sign = fold_table(parameters.rail.mode_count, count)
-    kappa, i = np.arange(1, count + 1), np.arange(1, count + 1)
+    count, ring = parameters.fastener_count, parameters.ring
     length, modes = parameters.window_length, parameters.rail.mode_count
-    finest = max(FINEST_WAVES_PER_BAY * count, 2 * modes)
-    left_out = np.arange(modes + 1, finest + 1) if parameters.rail.residual_compliance else []
+    rail = vertical_modes(parameters.rail, length, ring=ring)
+    index, sign = fold_table(modes, count, ring=ring)
+    fine = waves(length, max(FINEST_WAVES_PER_BAY * count, 2 * modes), ring=ring)
+    share, residual = np.ones(rail.wave_number.size), np.zeros(0)
+    if parameters.rail.residual_compliance:
+        share = moving_share(rail.wave_number, parameters.rail.passage_width)
+        residual = np.zeros(fine.wave_number.size)
+        moving = np.concatenate([share, np.zeros(residual.size - share.size)])
+        static = moving < 1.0
+        residual[static] = (1.0 - moving[static]) * static_flexibility(
+            parameters.rail, length, fine.wave_number[static]
+        )
     return LinearTrack(
-        rail=vertical_modes(parameters.rail, length),
+        rail=rail,
+        participation=np.sqrt(share) * rail.deflection,
         slabs=_slab_systems(parameters),
-        fastener_sines=np.sin(np.pi / count * np.outer(kappa, i - 0.5)),
+        fastener_sines=fastener_shapes(count, ring=ring),
         fold_index=index,
         fold_sign=sign,
-        residual_flexibility=static_flexibility(
-            parameters.rail, length, np.pi / length * np.asarray(left_out, dtype=float)
-        ),
+        fine=fine,
+        residual_flexibility=residual,
         stiffness=parameters.fastener.vertical_stiffness,
         damping=parameters.fastener.vertical_damping,
         slab_count=parameters.window.slab_count,
         seat_count=parameters.fastener.count_per_slab,
         length=length,
     )
+
+
+def moving_share(wave_number: np.ndarray, width: float) -> np.ndarray:
+    """Return the share s of each wave's compliance that moves with inertia, (N,).
+
+    It falls smoothly from 1 to 0 over the last part ``width`` (0 to 1) of the wave numbers
+    and just beyond; 1 for all with ``width`` 0.
+    """
+    if width == 0.0:
+        return np.ones_like(wave_number)
+    last = wave_number[-1] + (wave_number[-1] - wave_number[-3]) / 2.0
+    t = np.clip((wave_number / last - (1.0 - width)) / width, 0.0, 1.0)
+    return np.cos(0.5 * np.pi * t) ** 4

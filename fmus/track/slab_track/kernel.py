@@ -6,7 +6,9 @@ between two points is a difference of one kernel,
 .. math:: \sum_k w_k \sin\tfrac{k\pi x}{l}\sin\tfrac{k\pi x'}{l} = K(x-x') - K(x+x'),
           \quad K(\xi) = \tfrac12\sum_k w_k\cos\tfrac{k\pi\xi}{l},
 
-the second term being the image behind the hinge. K is tabulated once per step
+the second term being the image behind the hinge. On a ring there is no image, and
+:math:`\cos a\cos b+\sin a\sin b=\cos(a-b)` gives
+:math:`K(\xi) = w_0 + \sum_k w_k\cos\tfrac{2k\pi\xi}{l}`. K is tabulated once per step
 size. Fasteners are equidistant, and so are their images: a row of the table
 holds the kernel for one place between two fasteners at all fasteners.
 """
@@ -18,20 +20,24 @@ PHASES = 256
 """Table points per fastener bay."""
 
 
-def kernel_table(weights: np.ndarray, fastener_count: int) -> np.ndarray:
-    """Tabulate K for weights of the wave numbers 1, 2, ..., shape (PHASES + 3, 2P).
+def kernel_table(weights: np.ndarray, fastener_count: int, *, ring: bool = False) -> np.ndarray:
+    """Tabulate K for the weights of the waves, shape (PHASES + 3, period in bays).
 
     Row 1 + j, column o holds K((o + j/PHASES) l_0); one row before and two after are
-    added for the interpolation.
+    added for the interpolation. The period is 2P, and P on a ring, whose weights are
+    those of the constant, the first cosine, the first sine, and so on.
     """
-    points = 2 * fastener_count * PHASES
-    if weights.size >= points // 2:
+    period = fastener_count if ring else 2 * fastener_count
+    points = period * PHASES
+    coefficients = np.concatenate([2.0 * weights[:1], weights[1::2]]) if ring else weights
+    first = 0 if ring else 1
+    if coefficients.size >= points // 2:
         raise ValueError("the table is too coarse for so many wave numbers")
     spectrum = np.zeros(points // 2 + 1)
-    spectrum[1 : weights.size + 1] = weights
-    # irfft gives (1/points) (2 sum c_k cos) for real coefficients.
-    values = np.fft.irfft(spectrum, points) * (0.25 * points)
-    table = values.reshape(2 * fastener_count, PHASES).T
+    spectrum[first : coefficients.size + first] = coefficients
+    # irfft gives (1/points) (c_0 + 2 sum c_k cos) for real coefficients.
+    values = np.fft.irfft(spectrum, points) * ((0.5 if ring else 0.25) * points)
+    table = values.reshape(period, PHASES).T
     before = np.roll(table[-1], 1)
     after = np.roll(table[:2], -1, axis=1)
     return np.ascontiguousarray(np.vstack([before[None], table, after]))
@@ -61,7 +67,7 @@ def to_fasteners(table, position, out):
     phase = (place - bay) * PHASES
     row = int(phase)
     w0, w1, w2, w3 = _weights(phase - row)
-    period = 2 * count
+    period = table.shape[1]
     line = np.empty(period)
     for column in range(period):
         line[column] = (
@@ -70,14 +76,20 @@ def to_fasteners(table, position, out):
             + w2 * table[row + 2, column]
             + w3 * table[row + 3, column]
         )
+    image = period > count
     for i in range(count):
-        out[i] = line[(bay - i - 1) % period] - line[(bay + i) % period]
+        out[i] = line[(bay - i - 1) % period]
+        if image:
+            out[i] -= line[(bay + i) % period]
 
 
 @numba.njit(cache=True)
-def between(table, first, second):
+def between(table, first, second, ring=False):
     """Response at ``second`` to a force at ``first``, both in bays from the window's start."""
-    return _kernel(table, abs(first - second)) - _kernel(table, first + second)
+    direct = _kernel(table, abs(first - second))
+    if ring:
+        return direct
+    return direct - _kernel(table, first + second)
 
 
 @numba.njit(cache=True)

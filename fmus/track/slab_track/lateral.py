@@ -8,7 +8,7 @@ width b of the rail base on a uniform pad, with a moment m:
 .. math:: p = k_l (y - h_f\varphi) + \ldots,\quad m = k_v\tfrac{b^2}{12}\varphi + \ldots
 
 Fasteners are alike and equidistant, so waves that look different at the fasteners do not
-couple: in the folded wave numbers of :mod:`slab_track.assembly` the fasteners are 2 x 2
+couple: in the folded wave numbers of :mod:`slab_track.waves` the fasteners are 2 x 2
 problems, one per row. The modes left out act at the wheels only, with their static
 compliance; at the fasteners they are below one per cent.
 """
@@ -18,9 +18,9 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from slab_track.assembly import fold_table
 from slab_track.parameters import TrackParameters
 from slab_track.rail import RailModes, timoshenko_modes
+from slab_track.waves import fastener_shapes, fold_table, waves
 
 PHASES = 64
 """Places between two fasteners for which the compliance at a wheel is tabulated."""
@@ -38,7 +38,7 @@ class LateralTrack(NamedTuple):
     fold_index, fold_sign
         As in :class:`slab_track.assembly.LinearTrack`.
     class_weight
-        Sum of the squares of a folded shape over the fasteners: P/2, and P for the last.
+        Sum of the squares of a folded shape over the fasteners, (P,).
     stiffness, damping
         Of one fastener: lateral (N/m, N.s/m) and against roll (N.m/rad, N.m.s/rad), (2,).
     foot
@@ -68,9 +68,9 @@ def assemble_lateral(p: TrackParameters) -> LateralTrack:
     rail, fastener, length = p.rail, p.fastener, p.window_length
     bending_stiffness = rail.youngs_modulus * rail.lateral_second_moment
     shear_stiffness = rail.lateral_shear_coefficient * rail.shear_modulus * rail.area
+    along = waves(length, rail.mode_count, ring=p.ring)
     bending = timoshenko_modes(
-        length=length,
-        count=rail.mode_count,
+        along,
         bending_stiffness=bending_stiffness,
         shear_stiffness=shear_stiffness,
         mass_per_length=rail.density * rail.area,
@@ -78,23 +78,23 @@ def assemble_lateral(p: TrackParameters) -> LateralTrack:
     )
     polar = rail.density * rail.polar_second_moment
     count = p.fastener_count
-    index, sign = fold_table(rail.mode_count, count)
-    weight = np.full(count, 0.5 * count)
-    weight[-1] = count
+    index, sign = fold_table(rail.mode_count, count, ring=p.ring)
+    weight = np.sum(fastener_shapes(count, ring=p.ring) ** 2, axis=1)
     # Uniform pad under the whole rail base.
     lever = rail.base_width**2 / 12.0
     residual = np.zeros(2)
     if rail.residual_compliance:
-        wave = np.pi / length * np.arange(rail.mode_count + 1, 200 * rail.mode_count)
+        finer = waves(length, 200 * rail.mode_count, ring=p.ring).wave_number
+        wave = finer[along.wave_number.size :]
         residual[0] = np.sum(
             1.0 / (bending_stiffness * wave**4) + 1.0 / (shear_stiffness * wave**2)
         )
         residual[1] = np.sum(1.0 / (rail.torsional_stiffness * wave**2))
-        residual /= length  # 2/l times the mean 1/2 of sin^2
+        residual /= length  # 2/l times the mean square 1/2
     return LateralTrack(
         bending=bending,
         torsion_omega_squared=rail.torsional_stiffness * bending.wave_number**2 / polar,
-        torsion_amplitude=np.full(rail.mode_count, np.sqrt(2.0 / (polar * length))),
+        torsion_amplitude=1.0 / np.sqrt(polar * length * along.mean_square),
         fold_index=index,
         fold_sign=sign,
         class_weight=weight,
@@ -189,14 +189,46 @@ def static_rail(
     Returns the coordinates (3, N) and displacement and roll of the axis there, (w, 2).
     """
     omega_squared = np.vstack([track.bending.omega_squared, track.torsion_omega_squared])
-    operator = _operator(track, weight=1.0 / omega_squared, scale=1.0, gain=track.stiffness)
-    shapes = np.sin(np.outer(positions, track.bending.wave_number))
-    load = forces.T @ shapes
+    rigid = omega_squared == 0.0
+    spring = float(
+        np.max(track.stiffness) * np.max(track.class_weight) * track.torsion_amplitude[0] ** 2
+    )
+    operator = _operator(
+        track, weight=1.0 / np.where(rigid, spring, omega_squared), scale=1.0, gain=track.stiffness
+    )
+    shapes = track.bending.waves.shapes(positions).T
+    coordinates = _sprung(operator, forces.T @ shapes)
+    coordinates += _without_springs(operator, coordinates, rigid, spring)
+    wave = operator.amplitude * coordinates
+    motion = shapes @ np.stack([wave[0] + wave[1], wave[2]]).T + forces * track.residual
+    return coordinates, motion
+
+
+def _without_springs(
+    operator: LateralOperator, coordinates: np.ndarray, rigid: np.ndarray, spring: float
+) -> np.ndarray:
+    """Return what ``coordinates`` lack because modes that only fasteners hold had springs.
+
+    With A the answer of the sprung rail, q = A (f + spring q) on these modes, which are those
+    of a ring that moves or turns as a whole; a hinged rail has none.
+    """
+    answers = []
+    for branch, wave in np.argwhere(rigid):
+        load = np.zeros((2, coordinates.shape[1]))
+        load[branch // 2, wave] = spring / operator.amplitude[branch, wave]
+        answers.append(_sprung(operator, load))
+    if not answers:
+        return np.zeros_like(coordinates)
+    own = np.stack([answer[rigid] for answer in answers], axis=1)
+    motion = np.linalg.solve(np.eye(len(answers)) - own, coordinates[rigid])
+    return np.tensordot(motion, np.stack(answers), axes=1)
+
+
+def _sprung(operator: LateralOperator, load: np.ndarray) -> np.ndarray:
+    """Coordinates (3, N) under wave forces and moments (2, N), fasteners included."""
     extension = _extension(operator, operator.response * load)
     net = load - _fastener_wave_force(operator, solve_fasteners(operator, extension))
-    coordinates = operator.weight * operator.amplitude * net[[0, 0, 1]]
-    motion = shapes @ (operator.response * net).T + forces * track.residual
-    return coordinates, motion
+    return operator.weight * operator.amplitude * net[[0, 0, 1]]
 
 
 def _fastener_inverse(track: LateralTrack, response: np.ndarray, gain: np.ndarray) -> np.ndarray:
@@ -216,13 +248,13 @@ def _fastener_inverse(track: LateralTrack, response: np.ndarray, gain: np.ndarra
 
 def _compliance_table(operator: LateralOperator, track: LateralTrack) -> np.ndarray:
     """Response under a wheel in the middle of the window, for places between fasteners."""
-    wave, count = track.bending.wave_number, track.class_weight.size
+    wave, count = track.bending.waves, track.class_weight.size
     middle = count // 2 + 0.5
     table = np.empty((PHASES + 3, 3))
     for row in range(PHASES + 3):
         x = (middle + (row - 1) / PHASES) * operator.spacing
-        shape = np.sin(wave * x)
-        force, moment = np.zeros((2, wave.size)), np.zeros((2, wave.size))
+        shape = wave.shapes(np.array([x]))[:, 0]
+        force, moment = np.zeros((2, shape.size)), np.zeros((2, shape.size))
         force[0], moment[1] = shape, shape
         answers = []
         for load in (force, moment):

@@ -178,7 +178,7 @@ class TrackModel:
 
     def prepare(self) -> None:
         """Compute and compile now what the first step and the first slide would."""
-        if self.parameters.window.method == "sliding":
+        if self.parameters.moves:
             _ = self.slide
         motion = np.zeros((self.parameters.wheelset_count, len(MOTION)))
         motion[:, 0] = self.default_positions()
@@ -397,7 +397,7 @@ class TrackModel:
     def _follow(self, state: TrackState, x: np.ndarray) -> TrackState:
         """Slide the window until the wheels keep their margins; check that they do."""
         p = self.parameters
-        if p.window.method == "sliding":
+        if p.moves:
             target = place_window(p, x[-1])
             while target > state.window_start + 0.5 * p.pitch:
                 state = self._slide_once(state)

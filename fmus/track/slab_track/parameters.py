@@ -126,6 +126,14 @@ class Rail(ParameterSet):
         "1",
         "Add the static compliance of the rail modes left out, at fasteners and wheels",
     )
+    passage_width: float = quantity(
+        0.5,
+        "1",
+        "Last part of the vertical wave numbers over which the modes pass smoothly into their "
+        "static compliance; 0: they end at once. Needs rail.residual_compliance",
+        at_least=0.0,
+        at_most=1.0,
+    )
 
     @property
     def poisson_ratio(self) -> float:
@@ -260,9 +268,10 @@ class Window(ParameterSet):
     method: str = quantity(
         "sliding",
         "1",
-        "sliding: the window follows the vehicle; moving_mass: it stays, and the run ends "
-        "before a wheel comes too near to its end",
-        choices=("sliding", "moving_mass"),
+        "sliding: the window follows the vehicle; cyclic: so it does, and its ends are joined "
+        "to a ring, so that nothing is cut off; moving_mass: it stays, and the run ends before "
+        "a wheel comes too near to its end",
+        choices=("sliding", "cyclic", "moving_mass"),
     )
     slide_solver: str = quantity(
         "least_squares",
@@ -350,6 +359,16 @@ class TrackParameters(ParameterSet):
     def fastener_count(self) -> int:
         """Fasteners per rail in the window."""
         return self.window.slab_count * self.fastener.count_per_slab
+
+    @property
+    def ring(self) -> bool:
+        """True if the window's ends are joined."""
+        return self.window.method == "cyclic"
+
+    @property
+    def moves(self) -> bool:
+        """True if the window follows the vehicle."""
+        return self.window.method in ("sliding", "cyclic")
 
     @property
     def sample_count(self) -> int:

@@ -23,10 +23,20 @@ class SlideOperator(NamedTuple):
     ----------
     deflection, rotation
         New wave amplitudes from old ones, both of shape (N, N).
+    ring
+        True if slabs and fasteners that leave at the rear come back at the front.
     """
 
     deflection: np.ndarray
     rotation: np.ndarray
+    ring: bool
+
+    def rows(self, values: np.ndarray, count: int) -> np.ndarray:
+        """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
+        moved = np.roll(values, -count, axis=0)
+        if not self.ring:
+            moved[-count:] = 0.0
+        return moved
 
 
 def sample_points(length: float, count: int) -> np.ndarray:
@@ -45,6 +55,9 @@ def slide_operator(
     ``solver`` is "least_squares", eq. (11), or "triangular": the LU factors of the
     square eq. (10), as the article's Fig. 5(a).
     """
+    if rail.waves.ring:
+        turn = _rotation(rail.wave_number, shift)
+        return SlideOperator(deflection=turn, rotation=turn, ring=True)
     points = sample_points(length, sample_count)
     inside = (points + shift <= length)[:, None]
 
@@ -55,7 +68,22 @@ def slide_operator(
             return scipy.linalg.solve(phi, target)
         return _least_squares(phi, target)
 
-    return SlideOperator(deflection=matrix(np.sin), rotation=matrix(np.cos))
+    return SlideOperator(deflection=matrix(np.sin), rotation=matrix(np.cos), ring=False)
+
+
+def _rotation(wave_number: np.ndarray, shift: float) -> np.ndarray:
+    r"""Turn constant, cosines and sines of a ring by ``shift``: exact.
+
+    :math:`\cos\kappa(x+L)` and :math:`\sin\kappa(x+L)` by the addition theorems; the
+    rotations' shapes, -sin and cos, turn alike.
+    """
+    turn = np.zeros((wave_number.size, wave_number.size))
+    turn[0, 0] = 1.0
+    row = np.arange(1, wave_number.size, 2)
+    cosine, sine = np.cos(wave_number[row] * shift), np.sin(wave_number[row] * shift)
+    turn[row, row] = turn[row + 1, row + 1] = cosine
+    turn[row, row + 1], turn[row + 1, row] = sine, -sine
+    return turn
 
 
 def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
@@ -78,10 +106,3 @@ def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray
     norm_z = np.sum(rail.deflection**2, axis=0)
     norm_psi = np.sum(rail.rotation**2, axis=0)
     return rail.deflection / norm_z * z + rail.rotation / norm_psi * psi
-
-
-def slide_rows(values: np.ndarray, count: int) -> np.ndarray:
-    """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
-    moved = np.zeros_like(values)
-    moved[:-count] = values[count:]
-    return moved

@@ -38,32 +38,50 @@ def static_coordinates(
     those of one symmetry class.
     """
     rail, slab = track.rail, track.slabs[symmetry]
-    flexibility = 1.0 / rail.omega_squared
-    beta = np.sum(rail.deflection**2 * flexibility, axis=0)
-    wave = np.concatenate([rail.wave_number, track.residual_wave_number])
-    compliance_of = np.concatenate([beta, track.residual_flexibility])
-    fasteners = (np.arange(track.fastener_count) + 0.5) * track.length / track.fastener_count
-    at_wheels = np.sin(np.outer(wave, positions))
-    wheel_to_fastener = np.sin(np.outer(fasteners, wave)) @ (compliance_of[:, None] * at_wheels)
-    matrix = track.fastener_admittance(flexibility, 1.0 / slab.omega_squared, symmetry)
+    # A ring's first mode is its rise as a whole, which only the fasteners hold.
+    rigid = rail.omega_squared == 0.0
+    flexibility = np.where(rigid, 0.0, 1.0 / np.where(rigid, 1.0, rail.omega_squared))
+    beta = np.sum(track.participation**2 * flexibility, axis=0)
+    places = (np.arange(track.fastener_count) + 0.5) * track.length / track.fastener_count
     residual = track.fastener_residual(symmetry)
-    matrix += residual
-    matrix[np.diag_indices_from(matrix)] += 1.0 / track.stiffness
-    fastener = np.linalg.solve(matrix, wheel_to_fastener @ forces)
-    load = track.wave_shapes(positions) @ forces
-    net = load - track.unfold(track.fastener_sines @ fastener)
+    matrix = track.fastener_admittance(flexibility, 1.0 / slab.omega_squared, symmetry)
+    matrix += residual + np.eye(track.fastener_count) / track.stiffness
+    modal = track.wave_shapes(positions)
+    to_fasteners = track.wave_shapes(places).T @ (beta[:, None] * modal)
+    direct = modal.T @ (beta[:, None] * modal)
+    size = track.residual_flexibility.size
+    rail_residual = np.zeros_like(to_fasteners)
+    if size:
+        fine, weight = track.fine.shapes(positions), track.residual_flexibility[:, None]
+        rail_residual = track.fine.shapes(places).T @ (weight * fine)
+        direct = direct + fine.T @ (weight * fine)
+    both = to_fasteners + rail_residual
+    fastener, rise = _carry(matrix, both @ forces, float(np.sum(forces)), free=bool(rigid.any()))
+    net = modal @ forces - track.unfold(track.fastener_sines @ fastener)
     seat_forces = fastener.reshape(track.slab_count, track.seat_count)
-    modes = slice(rail.wave_number.size, None)
-    rail_residual = np.sin(np.outer(fasteners, wave[modes])) @ (
-        compliance_of[modes, None] * at_wheels[modes]
-    )
-    deflection = (
-        at_wheels.T @ (compliance_of * (at_wheels @ forces)) - wheel_to_fastener.T @ fastener
-    )
+    coordinates = flexibility * track.participation * net
+    if rigid.any():
+        coordinates[rigid] = rise / track.participation[rigid]
     return StaticSolution(
-        rail=flexibility * rail.deflection * net,
+        rail=coordinates,
         slab=seat_forces @ slab.seats.T / slab.omega_squared,
         fastener=fastener,
         residual=rail_residual @ forces - residual @ fastener,
-        deflection=deflection,
+        deflection=direct @ forces - both.T @ fastener + rise,
     )
+
+
+def _carry(
+    matrix: np.ndarray, extension: np.ndarray, load: float, *, free: bool
+) -> tuple[np.ndarray, float]:
+    """Return the fastener forces (P,) and the rise of the whole rail, m, 0 if it is held.
+
+    A rail that can rise does so until the fasteners carry the ``load``.
+    """
+    if not free:
+        return np.linalg.solve(matrix, extension), 0.0
+    count = extension.size
+    border = np.ones((count, 1))
+    bordered = np.block([[matrix, -border], [border.T, np.zeros((1, 1))]])
+    solution = np.linalg.solve(bordered, np.append(extension, load))
+    return solution[:count], float(solution[count])

@@ -105,8 +105,21 @@ class WheelState(NamedTuple):
 
 @numba.njit(cache=True)
 def wheel_shapes(wave_number, positions):
-    """Return sin(k pi x / l) for every wheel, shape (wheels, N), by recurrence in k."""
+    """Return the waves' shapes at every wheel, shape (wheels, N), by recurrence in k.
+
+    The first wave number is 0 on a ring, which has cosines and sines in turn.
+    """
     shapes = np.empty((positions.size, wave_number.size))
+    if wave_number[0] == 0.0:
+        for wheel in range(positions.size):
+            theta = wave_number[1] * positions[wheel]
+            cosine, sine = np.cos(theta), np.sin(theta)
+            c, s = 1.0, 0.0
+            shapes[wheel, 0] = 1.0
+            for row in range(1, wave_number.size, 2):
+                c, s = c * cosine - s * sine, s * cosine + c * sine
+                shapes[wheel, row], shapes[wheel, row + 1] = c, s
+        return shapes
     for wheel in range(positions.size):
         theta = wave_number[0] * positions[wheel]
         twice = 2.0 * np.cos(theta)

@@ -84,6 +84,8 @@ class StepOperator(NamedTuple):
         c / h, N/m.
     spacing
         Distance of the fasteners, m.
+    ring
+        True if the track closes on itself.
     """
 
     rail_omega_squared: np.ndarray
@@ -108,6 +110,7 @@ class StepOperator(NamedTuple):
     residual_gain: float
     lag: float
     spacing: float
+    ring: bool
 
 
 def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperator:
@@ -116,16 +119,15 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     quarter = 0.25 * step**2
     rail_weight = 1.0 / (1.0 + quarter * rail.omega_squared)
     slab_weight = 1.0 / (1.0 + 0.5 * step * slab.damping + quarter * slab.omega_squared)
-    beta = np.sum(rail.deflection**2 * rail_weight, axis=0)
+    beta = np.sum(track.participation**2 * rail_weight, axis=0)
     admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
     residual = track.fastener_residual(symmetry)
     mu = quarter * track.stiffness + 0.5 * step * track.damping
     nu = track.stiffness + 1.5 * track.damping / step
     count = track.fastener_count
-    left_out = np.concatenate([np.zeros(beta.size), track.residual_flexibility])
     return StepOperator(
         rail_omega_squared=rail.omega_squared,
-        rail_deflection=rail.deflection,
+        rail_deflection=track.participation,
         rail_weight=rail_weight,
         beta=beta,
         wave_number=rail.wave_number,
@@ -138,14 +140,15 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
         fold_sign=track.fold_sign,
         solve=np.linalg.inv(np.eye(count) + mu * admittance + nu * residual),
         residual=residual,
-        response_kernel=kernel_table(quarter * beta, count),
-        residual_kernel=kernel_table(left_out, count),
+        response_kernel=kernel_table(quarter * beta, count, ring=track.ring),
+        residual_kernel=kernel_table(track.residual_flexibility, count, ring=track.ring),
         stiffness=track.stiffness,
         damping=track.damping,
         modal_gain=mu / quarter,
         residual_gain=nu,
         lag=track.damping / step,
         spacing=track.length / count,
+        ring=track.ring,
     )
 
 
@@ -230,8 +233,9 @@ def _wheel_coupling(operator, positions):
         to_fasteners(operator.response_kernel, bays[wheel], modal[wheel])
         to_fasteners(operator.residual_kernel, bays[wheel], residual[wheel])
         for other in range(wheels):
-            direct[wheel, other] = between(operator.response_kernel, bays[wheel], bays[other])
-            stiff[wheel, other] = between(operator.residual_kernel, bays[wheel], bays[other])
+            here, there = bays[wheel], bays[other]
+            direct[wheel, other] = between(operator.response_kernel, here, there, operator.ring)
+            stiff[wheel, other] = between(operator.residual_kernel, here, there, operator.ring)
     return modal, residual, direct, stiff
 
 

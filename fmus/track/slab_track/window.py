@@ -8,7 +8,7 @@ from slab_track.assembly import LinearTrack
 from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack
 from slab_track.parameters import TrackParameters
-from slab_track.slide import SlideOperator, slide_rail, slide_rows
+from slab_track.slide import SlideOperator, slide_rail
 from slab_track.vertical import FieldState
 
 END_MARGIN = 3.0
@@ -36,7 +36,7 @@ def place_window(p: TrackParameters, positions: np.ndarray) -> float:
             f"{p.window_length - p.pitch - 2.0 * END_MARGIN:g} m; "
             "raise window.slab_count"
         )
-    margin = 0.5 * spare if p.window.method == "sliding" else min(0.5 * spare, 15.0)
+    margin = 0.5 * spare if p.moves else min(0.5 * spare, 15.0)
     return float(np.floor((rear - margin) / p.pitch) * p.pitch)
 
 
@@ -70,7 +70,7 @@ def slide_fields(
         rails[side, derivative, :2] = slide_rail(lateral.bending, operator, old[:2])
         rails[side, derivative, 2] = operator.deflection @ old[2]
     changes["rails"] = rails
-    changes["fastener_force"] = slide_rows(state.fastener_force, track.seat_count)
+    changes["fastener_force"] = operator.rows(state.fastener_force, track.seat_count)
     old = [state.symmetric.rail[0], state.antisymmetric.rail[0]]
     new = [changes["symmetric"].rail[0], changes["antisymmetric"].rail[0]]
     return changes, _residual(track, old, new)
@@ -79,8 +79,8 @@ def slide_fields(
 def _slide_field(track: LinearTrack, operator: SlideOperator, field: FieldState) -> FieldState:
     return FieldState(
         rail=np.array([slide_rail(track.rail, operator, level) for level in field.rail]),
-        slab=np.array([slide_rows(level, 1) for level in field.slab]),
-        residual=np.ascontiguousarray(slide_rows(field.residual.T, track.seat_count).T),
+        slab=np.array([operator.rows(level, 1) for level in field.slab]),
+        residual=np.ascontiguousarray(operator.rows(field.residual.T, track.seat_count).T),
     )
 
 
