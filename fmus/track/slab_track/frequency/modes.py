@@ -14,6 +14,7 @@ any further approximation. It is solved by successive linear problems (Ruhe, SIA
 Anal. 10, 1973, 674-689): :math:`T(s) v = \mu T'(s) v`, :math:`s \leftarrow s - \mu`.
 """
 
+import cmath
 import dataclasses
 import math
 from typing import NamedTuple
@@ -31,6 +32,8 @@ from slab_track.parameters import TrackParameters
 _TABLE_2 = "Table 2 of the article"
 _ITERATIONS = 60
 _TOLERANCE = 1e-11
+_LONGEST = 0.3
+"""Relative length of a step of the iteration."""
 _DIFFERENCE = 1e-5
 """Relative step of the central difference for T'."""
 
@@ -199,18 +202,21 @@ class CoupledSystem:
         self, s: complex, vector: np.ndarray, symmetry: int
     ) -> tuple[complex, np.ndarray]:
         """Follow the eigenvector that resembles ``vector`` to its eigenvalue."""
+        start = s
         for _ in range(_ITERATIONS):
             values, vectors = self._linearised(s, symmetry)
             vectors /= np.linalg.norm(vectors, axis=0)
             best = int(np.argmax(np.abs(vectors.conj().T @ vector)))
             vector = vectors[:, best]
-            change = values[best]
-            s -= change * min(1.0, 0.3 * abs(s) / abs(change))
+            change = complex(values[best])
+            if not cmath.isfinite(change):
+                break
             if abs(change) < _TOLERANCE * abs(s):
-                return s, vector
+                return s - change, vector
+            s -= change * min(1.0, _LONGEST * abs(s) / abs(change))
         raise TrackError(
-            f"no eigenvalue found near {abs(s) / (2.0 * math.pi):g} Hz after {_ITERATIONS} "
-            "iterations; start the search at another frequency"
+            f"no eigenvalue found near {start.imag / (2.0 * math.pi):g} Hz in {_ITERATIONS} steps; "
+            "start the search at another frequency"
         )
 
     def mode(
