@@ -98,15 +98,13 @@ def test_shapes_keep_the_balance_of_forces():
 
 
 def test_forced_response_peaks_at_the_mode():
-    p = with_values(
-        HD, {"fastener.vertical_stiffness": 140e6, "fastener.vertical_damping": 10e3}
-    )
+    p = with_values(HD, {"fastener.vertical_stiffness": 140e6, "fastener.vertical_damping": 10e3})
     (mode,) = coupled_modes(p, Wheelset(), [MIDDLE.mid_bay])
     f = np.linspace(0.93, 1.07, 281) * mode.natural_frequency
     rail = receptance(p, f, [MIDDLE.mid_bay])
     # Wheel on both rails alike: mass, Hertz spring and track in series.
     track = (rail.same_rail + rail.other_rail)[:, 0, 0] + 1.0 / hertz_stiffness(p)
-    wheel = 1.0 / (-(2.0 * np.pi * f) ** 2 * 940.5 + 1.0 / track)
+    wheel = 1.0 / (-((2.0 * np.pi * f) ** 2) * 940.5 + 1.0 / track)
     best = np.argmax(np.abs(wheel))
     assert f[best] == pytest.approx(mode.natural_frequency, rel=3e-3)
     half = f[np.abs(wheel) >= np.abs(wheel[best]) / np.sqrt(2.0)]
@@ -158,7 +156,9 @@ def test_four_wheelsets_have_four_modes():
 
 
 def test_search_that_finds_nothing_says_so():
-    with pytest.raises(TrackError, match=r"near 100000 Hz in 60 steps; start the search at another"):
+    with pytest.raises(
+        TrackError, match=r"near 100000 Hz in 60 steps; start the search at another"
+    ):
         coupled_modes(HD, Wheelset(), [MIDDLE.mid_bay], guess=1e5)
 
 

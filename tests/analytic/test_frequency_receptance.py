@@ -202,6 +202,16 @@ def test_agrees_with_the_reference_finite_elements():
         assert relative(found[:, 0], wanted[:, 0]).max() < 2.5e-3
 
 
+def test_ring_and_hinged_window_agree_far_from_the_hinges():
+    f, x = np.array([1.0, 60.0, 150.0, 400.0]), np.array([MIDDLE.mid_bay, MIDDLE.fastener + 2.5])
+    hinged = receptance(HD, f, x)
+    ring = receptance(with_values(HD, {"window.method": "cyclic"}), f, x)
+    for name in ("same_rail", "other_rail", "lateral"):
+        found, wanted = getattr(ring, name), getattr(hinged, name)
+        scale = np.abs(wanted).max(axis=(0, 1, 2))
+        assert (np.abs(found - wanted) / scale).max() < 2e-3, name
+
+
 # -- closed forms ------------------------------------------------------------------
 
 
@@ -263,6 +273,12 @@ def test_places_outside_the_window_are_refused():
 def test_negative_frequencies_are_refused():
     with pytest.raises(ParameterError, match=r"frequency = -1.*at least 0 Hz"):
         receptance(HD, [5.0, -1.0], [30.0])
+
+
+def test_a_ring_has_no_static_compliance():
+    p = with_values(HD, {"window.method": "cyclic"})
+    with pytest.raises(ParameterError, match=r"frequency = 0.*above 0 Hz.*cyclic"):
+        receptance(p, 0.0, [30.0])
 
 
 def test_held_rails_do_not_move_sideways():

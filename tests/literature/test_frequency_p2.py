@@ -43,9 +43,7 @@ def test_printed_equation_12_has_the_wrong_dimension():
 
 def test_coupled_mode_meets_the_formula_on_a_rigid_base():
     """As the formula has it: rigid contact, rigid slabs; its rail is only estimated."""
-    p = with_values(
-        HD, {"slab_support.vertical_stiffness": 1e16, "fastener.vertical_damping": 0.0}
-    )
+    p = with_values(HD, {"slab_support.vertical_stiffness": 1e16, "fastener.vertical_damping": 0.0})
     places = middle(p)
     found = [
         coupled_modes(p, Wheelset(), [x], contact_stiffness=np.inf)[0].natural_frequency
@@ -85,9 +83,7 @@ def test_pinned_pinned_closed_form(spacing, wanted):
 
 @pytest.mark.parametrize("spacing", [0.629, 0.600])
 def test_receptance_has_peak_and_dip_at_the_pinned_pinned_frequency(spacing):
-    line = with_values(
-        HD, {"fastener.spacing": spacing, "fastener.vertical_damping": 200.0}
-    )
+    line = with_values(HD, {"fastener.spacing": spacing, "fastener.vertical_damping": 200.0})
     wanted = pinned_pinned_frequency(line)
     found = pinned_pinned_extremes(line)
     assert found.peak == pytest.approx(wanted, rel=0.01)

@@ -34,9 +34,8 @@ class LateralResponse:
     def __init__(self, track: LateralTrack, sources: np.ndarray, receivers: np.ndarray) -> None:
         check_places(track.length, sources=sources, receivers=receivers)
         self.track = track
-        wave = track.bending.wave_number
-        self._sources = np.sin(np.outer(wave, sources))
-        self._receivers = np.sin(np.outer(wave, receivers))
+        self._sources = track.bending.waves.shapes(sources)
+        self._receivers = track.bending.waves.shapes(receivers)
         self._same = np.abs(np.subtract.outer(receivers, sources)) < COINCIDENT
 
     def solve(self, s: complex) -> np.ndarray:

@@ -57,9 +57,8 @@ def resonance_speed(frequency: float, spacing: float) -> float:
 
 def pinned_pinned_frequency(p: TrackParameters) -> float:
     """Return the closed form in Hz: a Timoshenko rail hinged at two neighbouring fasteners."""
-    return float(np.sqrt(vertical_modes(p.rail, p.fastener.spacing).omega_squared[0, 0])) / (
-        2.0 * math.pi
-    )
+    first = vertical_modes(p.rail, p.fastener.spacing).omega_squared[0, 0]
+    return math.sqrt(first) / (2.0 * math.pi)
 
 
 class PinnedPinned(NamedTuple):

@@ -93,7 +93,8 @@ def receptance(
         Parameters of the track. With ``rail.motion = "vertical"`` the rails are held
         laterally and in roll, and :attr:`Receptance.lateral` is zero.
     frequency
-        Hz, shape (f,); 0 gives the static compliance.
+        Hz, shape (f,); 0 gives the static compliance (not on a ring, whose rails only rest on
+        fasteners: there a frequency above 0).
     sources, receivers
         Places of loads and motions, m from the window's start; without ``receivers`` the
         motion is taken at the sources. The hinges at the window's ends reflect: keep away
@@ -111,6 +112,13 @@ def receptance(
     if bad.any():
         raise ParameterError(
             "frequency", float(frequency[bad][0]), "must be finite and at least 0 Hz"
+        )
+    if p.ring and not np.all(frequency > 0.0):
+        raise ParameterError(
+            "frequency",
+            0.0,
+            "must be above 0 Hz with window.method = cyclic",
+            "give a small frequency, or take window.method = sliding",
         )
     vertical = VerticalResponse(assemble(p), sources, receivers)
     shape = (frequency.size, receivers.size, sources.size)

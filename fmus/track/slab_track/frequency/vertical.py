@@ -77,7 +77,7 @@ class VerticalResponse:
         self._sources = _places(track, sources)
         self._receivers = _places(track, receivers)
         fasteners = (np.arange(track.fastener_count) + 0.5) * track.length / track.fastener_count
-        at_fasteners = _places(track, fasteners).residual
+        at_fasteners = _residual_shapes(track, fasteners)
         flexibility = track.residual_flexibility[:, None]
         self._from_source = at_fasteners.T @ (flexibility * self._sources.residual)
         self._to_receiver = at_fasteners.T @ (flexibility * self._receivers.residual)
@@ -89,7 +89,7 @@ class VerticalResponse:
         track, slab = self.track, self.track.slabs[symmetry]
         rail_weight = modal_weight(track.rail.omega_squared, s)
         slab_weight = 1.0 / (slab.omega_squared + slab.damping * s + s**2)
-        beta = np.sum(track.rail.deflection**2 * rail_weight, axis=0)[:, None]
+        beta = np.sum(track.participation**2 * rail_weight, axis=0)[:, None]
         matrix = _admittance(track, rail_weight, slab_weight, symmetry)
         matrix = matrix + self._between_fasteners[symmetry]
         matrix[np.diag_indices_from(matrix)] += 1.0 / (track.stiffness + s * track.damping)
@@ -128,7 +128,7 @@ def check_places(length: float, **places: np.ndarray) -> None:
 def modal_weight(omega_squared: np.ndarray, s: complex) -> np.ndarray:
     """Return 1/(omega^2 + s^2) of undamped modes; real if s is purely imaginary or real.
 
-    At an eigenfrequency of the hinged rail alone, which is none of the track, the pole is
+    At an eigenfrequency of the rail alone, which is none of the track, the pole is
     passed at a relative distance of :data:`NEAREST_POLE`.
     """
     square = complex(s) ** 2
@@ -139,7 +139,14 @@ def modal_weight(omega_squared: np.ndarray, s: complex) -> np.ndarray:
 
 def _places(track: LinearTrack, x: np.ndarray) -> _Places:
     x = np.asarray(x, dtype=float)
-    return _Places(track.wave_shapes(x), np.sin(np.outer(track.residual_wave_number, x)))
+    return _Places(track.wave_shapes(x), _residual_shapes(track, x))
+
+
+def _residual_shapes(track: LinearTrack, x: np.ndarray) -> np.ndarray:
+    """Waves with static compliance at places x, (R, x)."""
+    if track.residual_flexibility.size == 0:
+        return np.empty((0, x.size))
+    return track.fine.shapes(x)
 
 
 def _admittance(
