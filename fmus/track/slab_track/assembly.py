@@ -74,6 +74,8 @@ class LinearTrack(NamedTuple):
         with their full share, empty without residual compliance.
     stiffness, damping
         Of one fastener, N/m and N.s/m.
+    end_damping
+        What is added to each fastener's damping, N.s/m, (P,): towards the window's ends.
     slab_count, seat_count
         Slabs in the window, fasteners per slab and rail.
     length
@@ -90,6 +92,7 @@ class LinearTrack(NamedTuple):
     residual_flexibility: np.ndarray
     stiffness: float
     damping: float
+    end_damping: np.ndarray
     slab_count: int
     seat_count: int
     length: float
@@ -231,10 +234,21 @@ def assemble(parameters: TrackParameters) -> LinearTrack:
         residual_flexibility=residual,
         stiffness=parameters.fastener.vertical_stiffness,
         damping=parameters.fastener.vertical_damping,
+        end_damping=_end_damping(parameters),
         slab_count=parameters.window.slab_count,
         seat_count=parameters.fastener.count_per_slab,
         length=length,
     )
+
+
+def _end_damping(parameters: TrackParameters) -> np.ndarray:
+    """Return what is added to each fastener's damping, N.s/m, (P,); rises with the cube."""
+    places = (np.arange(parameters.fastener_count) + 0.5) * parameters.fastener.spacing
+    to_end = np.minimum(places, parameters.window_length - places)
+    zone = parameters.end_zone
+    if zone == 0.0:
+        return np.zeros(places.size)
+    return parameters.window.end_damping * np.clip(1.0 - to_end / zone, 0.0, 1.0) ** 3
 
 
 def moving_share(wave_number: np.ndarray, width: float) -> np.ndarray:

@@ -30,7 +30,7 @@ from slab_track.errors import TrackError
 from slab_track.irregularity import Irregularity
 from slab_track.lateral import LateralTrack, assemble_lateral, lateral_operator
 from slab_track.motion import MOTION, MotionHistory
-from slab_track.parameters import TrackParameters
+from slab_track.parameters import WHEELSET_PLACES, TrackParameters
 from slab_track.slide import SlideOperator, slide_operator
 from slab_track.stepping import APPLIED, PROFILES, VERTICAL, TrackOperator, WheelState, advance
 from slab_track.vertical import FieldState, step_operator
@@ -195,8 +195,8 @@ class TrackModel:
 
     def default_positions(self) -> np.ndarray:
         """Longitudinal positions of the article's vehicle at ``initial_position``, m."""
-        offsets = np.array([0.0, 2.5, 17.8, 20.3])
-        return self.parameters.initial_position - offsets[: self.parameters.wheelset_count]
+        places = np.array(WHEELSET_PLACES[: self.parameters.wheelset_count])
+        return self.parameters.initial_position - places
 
     def initial_state(self, motion: np.ndarray, time: float = 0.0) -> TrackState:
         """Return static equilibrium under ``static_wheel_load`` at the given wheelsets.

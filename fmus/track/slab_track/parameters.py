@@ -15,6 +15,9 @@ from slab_track.irregularity import IrregularityParameters
 WHEELSET_LIMIT = 4
 """Largest number of wheelset terminals."""
 
+WHEELSET_PLACES = (0.0, 2.5, 17.8, 20.3)
+"""Distance of the article's wheelsets behind the leading one, m."""
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rail(ParameterSet):
@@ -273,6 +276,13 @@ class Window(ParameterSet):
         "a wheel comes too near to its end",
         choices=("sliding", "cyclic", "moving_mass"),
     )
+    end_damping: float = quantity(
+        100e3,
+        "N.s/m",
+        "Vertical damping added to the fasteners at the ends of a window that follows the vehicle, "
+        "falling to nothing well before the wheels, so that waves do not come back; 0: none",
+        at_least=0.0,
+    )
     slide_solver: str = quantity(
         "least_squares",
         "1",
@@ -364,6 +374,17 @@ class TrackParameters(ParameterSet):
     def ring(self) -> bool:
         """True if the window's ends are joined."""
         return self.window.method == "cyclic"
+
+    @property
+    def end_zone(self) -> float:
+        """Length at either end of the window with added damping, m; 0 if there is none.
+
+        It ends 2 m before the wheels of the article's vehicle at the worst instant.
+        """
+        if not self.moves or self.window.end_damping == 0.0:
+            return 0.0
+        room = 0.5 * (self.window_length - self.pitch - WHEELSET_PLACES[self.wheelset_count - 1])
+        return max(0.0, min(0.27 * self.window_length, room - 2.0))
 
     @property
     def moves(self) -> bool:

@@ -78,10 +78,12 @@ class StepOperator(NamedTuple):
         R, static compliance of the modes left out at the fasteners, shape (P, P), m/N.
     response_kernel, residual_kernel
         Tables of h^2/4 beta and of the residual (see :mod:`slab_track.kernel`).
+    stiffness, damping
+        k of all fasteners, N/m, and c of each, N.s/m, (P,).
     modal_gain, residual_gain
-        mu / (h^2/4) and nu, N/m.
+        mu / (h^2/4) and nu of each fastener, N/m, (P,).
     lag
-        c / h, N/m.
+        c / h of each fastener, N/m, (P,).
     spacing
         Distance of the fasteners, m.
     ring
@@ -105,10 +107,10 @@ class StepOperator(NamedTuple):
     response_kernel: np.ndarray
     residual_kernel: np.ndarray
     stiffness: float
-    damping: float
-    modal_gain: float
-    residual_gain: float
-    lag: float
+    damping: np.ndarray
+    modal_gain: np.ndarray
+    residual_gain: np.ndarray
+    lag: np.ndarray
     spacing: float
     ring: bool
 
@@ -122,9 +124,10 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     beta = np.sum(track.participation**2 * rail_weight, axis=0)
     admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
     residual = track.fastener_residual(symmetry)
-    mu = quarter * track.stiffness + 0.5 * step * track.damping
-    nu = track.stiffness + 1.5 * track.damping / step
     count = track.fastener_count
+    dampers = track.damping + track.end_damping
+    mu = quarter * track.stiffness + 0.5 * step * dampers
+    nu = track.stiffness + 1.5 * dampers / step
     return StepOperator(
         rail_omega_squared=rail.omega_squared,
         rail_deflection=track.participation,
@@ -138,15 +141,15 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
         sines=track.fastener_sines,
         fold_index=track.fold_index,
         fold_sign=track.fold_sign,
-        solve=np.linalg.inv(np.eye(count) + mu * admittance + nu * residual),
+        solve=np.linalg.inv(np.eye(count) + mu[:, None] * admittance + nu[:, None] * residual),
         residual=residual,
         response_kernel=kernel_table(quarter * beta, count, ring=track.ring),
         residual_kernel=kernel_table(track.residual_flexibility, count, ring=track.ring),
         stiffness=track.stiffness,
-        damping=track.damping,
+        damping=dampers,
         modal_gain=mu / quarter,
         residual_gain=nu,
-        lag=track.damping / step,
+        lag=dampers / step,
         spacing=track.length / count,
         ring=track.ring,
     )
@@ -170,19 +173,19 @@ def _free_step(state, omega_squared, damping, weight, step):
 @numba.njit(cache=True)
 def _fastener_extension(operator, rail, slab):
     """Force the fasteners would have: stiffness and damping on rail minus slab, shape (P,)."""
-    folded = np.zeros(operator.sines.shape[0])
-    stiffness, damping = operator.stiffness, operator.damping
+    folded = np.zeros((2, operator.sines.shape[0]))
     deflection = operator.rail_deflection
     for k in range(operator.beta.size):
-        amplitude = 0.0
-        for branch in range(2):
-            amplitude += deflection[branch, k] * (
-                stiffness * rail[0, branch, k] + damping * rail[1, branch, k]
+        row, sign = operator.fold_index[k], operator.fold_sign[k]
+        for derivative in range(2):
+            folded[derivative, row] += sign * (
+                deflection[0, k] * rail[derivative, 0, k]
+                + deflection[1, k] * rail[derivative, 1, k]
             )
-        folded[operator.fold_index[k]] += operator.fold_sign[k] * amplitude
-    force = folded @ operator.sines
-    seat_force = (stiffness * slab[0] + damping * slab[1]) @ operator.seats
-    return force - seat_force.ravel()
+    motion = folded @ operator.sines
+    motion[0] -= (slab[0] @ operator.seats).ravel()
+    motion[1] -= (slab[1] @ operator.seats).ravel()
+    return operator.stiffness * motion[0] + operator.damping * motion[1]
 
 
 @numba.njit(cache=True)
