@@ -6,6 +6,7 @@ import numpy as np
 
 from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
+from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import ContactTables
 from slab_track.contact.wheelset import wheel_rail_contact
 from slab_track.errors import TrackError
@@ -181,6 +182,7 @@ def _sweep(tables, compliance, own, rows, offsets, wheels) -> np.ndarray:
     """Solve wheel after wheel with the others' forces as they are; return what is carried."""
     carried = np.zeros(rows.shape[0])
     wheelset, nothing = np.zeros(6), np.zeros((3, 3))
+    grid = fastsim_grid(tables.columns, tables.strips)
     rails = np.einsum("wsiujk,ujk->wsi", compliance, wheels.rail_force)
     for wheel, side in np.ndindex(rows.shape[0], 2):
         force = wheels.rail_force[wheel, side]
@@ -189,6 +191,7 @@ def _sweep(tables, compliance, own, rows, offsets, wheels) -> np.ndarray:
         free[:3] = rails[wheel, side] - mine @ force
         found = solve_wheel(
             tables,
+            grid,
             2.0 * side - 1.0,
             rows[wheel],
             free,

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import ContactTables
 from slab_track.contact.wheelset import FORCED, LOCATED
 from slab_track.lateral import (
@@ -166,6 +167,7 @@ def _profile_contact(operator, path, offsets, same, cross, mobility, lateral, fr
     row, own = np.empty(11), np.empty(6)
     offset, wheelset = np.empty(2), np.empty(6)
     compliance, rate = np.zeros((3, 3)), np.zeros((3, 3))
+    grid = fastsim_grid(operator.contact.columns, operator.contact.strips)
     for _ in range(_SWEEPS):
         worst = 0.0
         wheels.wheelset[:] = 0.0
@@ -187,7 +189,7 @@ def _profile_contact(operator, path, offsets, same, cross, mobility, lateral, fr
                 )  # fmt: skip
                 offset[0], offset[1] = offsets[wheel, side, 1], offsets[wheel, side, 0]
                 good &= solve_wheel(
-                    operator.contact, 2.0 * side - 1.0, row, own, compliance, rate, offset,
+                    operator.contact, grid, 2.0 * side - 1.0, row, own, compliance, rate, offset,
                     wheels.rail_force[wheel, side], wheels.normal[wheel, side],
                     wheels.creep[wheel, side], wheelset, wheels.rail[wheel, side],
                     wheels.located[wheel, side], wheels.forces[wheel, side],

@@ -24,12 +24,17 @@ from slab_track.contact.wheelset import (
     SEMI_AXIS_A,
     SEMI_AXIS_B,
     STIFFNESS,
-    apply_wheel,
+    add_resultants,
     locate_wheel,
+    patch_forces,
 )
 
-_TOLERANCE = 0.1
-"""Change of a rail force, N, below which a wheel's iteration ends."""
+_TOLERANCE = 0.2
+"""Largest error of a creep force by its own effect on the rail, N: 3e-6 of the static load."""
+
+_SHIFT = 2e-8
+"""Lateral motion of the rail's head, m, after which patches are located anew: it turns the normal
+force by some 1e-6 rad, 0.1 N."""
 
 _ITERATIONS = 60
 _SLOWEST = 0.1
@@ -44,18 +49,22 @@ def hertz_force(penetration, hertz_constant):
 
 
 @numba.njit(cache=True)
-def _implicit_penetration(gap, compliance, hertz_constant):
-    """Solve delta + C (delta/G)^1.5 = gap for delta; the left side is convex and rising."""
+def implicit_penetration(gap, compliance, stiffness):
+    """Solve delta + C K delta^1.5 = gap for delta.
+
+    Newton's method for the root of delta, in which the left side is convex and rising: from
+    the right it falls monotonically.
+    """
     if gap <= 0.0:
         return gap
-    delta = gap
+    root, slope = math.sqrt(gap), compliance * stiffness
     for _ in range(60):
-        force = (delta / hertz_constant) ** 1.5
-        change = (delta + compliance * force - gap) / (1.0 + 1.5 * compliance * force / delta)
-        delta -= change
-        if change < 1e-15 * gap:
+        excess = root * root * (1.0 + slope * root) - gap
+        change = excess / (root * (2.0 + 3.0 * slope * root))
+        root -= change
+        if change < 1e-15 * root:
             break
-    return delta
+    return root * root
 
 
 @numba.njit(cache=True)
@@ -69,6 +78,7 @@ def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
     count = approach.shape[0]
     same, cross = 0.5 * (compliance_s + compliance_a), 0.5 * (compliance_s - compliance_a)
     force, penetration = start.copy(), np.empty_like(start)
+    stiffness = hertz_constant**-1.5
     for _ in range(50):
         change = 0.0
         for wheel in range(count):
@@ -78,8 +88,8 @@ def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
                     gap -= same[wheel, other] * force[other, side]
                     gap -= cross[wheel, other] * force[other, 1 - side]
                 gap += same[wheel, wheel] * force[wheel, side]
-                delta = _implicit_penetration(gap, same[wheel, wheel], hertz_constant)
-                new = hertz_force(delta, hertz_constant)
+                delta = implicit_penetration(gap, same[wheel, wheel], stiffness)
+                new = stiffness * delta * math.sqrt(delta) if delta > 0.0 else 0.0
                 change = max(change, abs(new - force[wheel, side]))
                 force[wheel, side], penetration[wheel, side] = new, delta
         if change <= 1e-9:
@@ -125,6 +135,7 @@ def _lateral_direction(row, out):
 @numba.njit(cache=True)
 def solve_wheel(
     tables,
+    grid,
     side,
     motion,
     free,
@@ -145,6 +156,8 @@ def solve_wheel(
     ----------
     tables
         :class:`slab_track.contact.tables.ContactTables`.
+    grid
+        Of FASTSIM.
     side
         -1.0 left, 1.0 right.
     motion
@@ -170,48 +183,72 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
-    on_rail, direction = np.empty(3), np.empty(3)
-    inside = True
+    damping = np.zeros(2)
     for iteration in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
         inside = locate_wheel(tables, side, motion, rail, offset, located)
-        for patch in range(2):
-            row = located[patch]
-            if row[PENETRATION] <= 0.0 and normal[patch] == 0.0:
-                continue
-            _normal_direction(row, direction)
-            flexibility = _quadratic_form(compliance, direction)
-            if row[PENETRATION] <= 0.0:
-                normal[patch] = 0.0
-                continue
-            gap = row[PENETRATION] + flexibility * normal[patch]
-            constant = row[STIFFNESS] ** (-2.0 / 3.0)
-            depth = _implicit_penetration(gap, flexibility, constant)
-            normal[patch] = hertz_force(depth, constant)
+        error = _solve_normal(compliance, located, force, normal, creep)
+        y, roll = rail[0], rail[2]
+        rail_motion(free, compliance, mobility, force, rail)
         wheelset[:] = 0.0
-        on_rail[:] = 0.0
-        apply_wheel(tables, motion, rail, located, normal, wheelset, on_rail, forces)
-        change = 0.0
-        speed = max(abs(motion[5]), _SLOWEST)
+        force[:] = 0.0
         for patch in range(2):
-            row = located[patch]
-            new = forces[patch, LATERAL_FORCE]
-            _lateral_direction(row, direction)
-            slope = (
-                tables.shear_modulus
-                * forces[patch, SEMI_AXIS_A]
-                * forces[patch, SEMI_AXIS_B]
-                * row[C22]
-                / speed
-            )
-            damped = slope * _quadratic_form(mobility, direction)
-            relaxed = creep[patch] + (new - creep[patch]) / (1.0 + damped)
-            for i in range(3):
-                on_rail[i] += (relaxed - new) * direction[i]
-            creep[patch] = relaxed
-        for i in range(3):
-            change = max(change, abs(on_rail[i] - force[i]))
-            force[i] = on_rail[i]
-        if change < _TOLERANCE and iteration > 0:
+            row, answer = located[patch], forces[patch]
+            patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
+            if normal[patch] > 0.0:
+                change = answer[LATERAL_FORCE] - creep[patch]
+                damping[patch] = _damping(tables, motion, mobility, row, answer)
+                creep[patch] += change / (1.0 + damping[patch])
+                # The true force lies between both values.
+                error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
+                answer[LATERAL_FORCE] = creep[patch]
+                moved = abs(rail[0] - y) + abs(row[RAIL_ARM_Z] * (rail[2] - roll))
+                error = max(error, moved / _SHIFT * _TOLERANCE)
+            else:
+                creep[patch] = 0.0
+            add_resultants(row, answer, wheelset, force)
+        if error <= _TOLERANCE:
             return inside
     return False
+
+
+@numba.njit(cache=True)
+def _solve_normal(compliance, located, force, normal, creep):
+    """Solve Hertz's law along the normals of both patches, with the creep forces as they are.
+
+    Replaces ``normal`` and ``force``. Returns how much the patches disturb each other, N.
+    """
+    direction = np.empty(3)
+    error, lost, touching = 0.0, 0.0, 0
+    force[:] = 0.0
+    for patch in range(2):
+        row = located[patch]
+        before = normal[patch]
+        if row[PENETRATION] <= 0.0:
+            # The rail springs back without the force: the patch is looked at once more.
+            normal[patch] = 0.0
+            lost = max(lost, before)
+            continue
+        _normal_direction(row, direction)
+        flexibility = _quadratic_form(compliance, direction)
+        gap = row[PENETRATION] + flexibility * before
+        depth = implicit_penetration(gap, flexibility, row[STIFFNESS])
+        normal[patch] = row[STIFFNESS] * depth * math.sqrt(depth) if depth > 0.0 else 0.0
+        touching += 1
+        error = max(error, abs(normal[patch] - before))
+        for i in range(3):
+            force[i] += normal[patch] * direction[i]
+        _lateral_direction(row, direction)
+        for i in range(3):
+            force[i] += creep[patch] * direction[i]
+    return max(error, lost) if touching > 1 else lost
+
+
+@numba.njit(cache=True)
+def _damping(tables, motion, mobility, row, force):
+    """D c: fall of the lateral creep force by its own effect on the rail, by Kalker's slope."""
+    direction = np.empty(3)
+    _lateral_direction(row, direction)
+    speed = max(abs(motion[5]), _SLOWEST)
+    slope = tables.shear_modulus * force[SEMI_AXIS_A] * force[SEMI_AXIS_B] * row[C22] / speed
+    return slope * _quadratic_form(mobility, direction)

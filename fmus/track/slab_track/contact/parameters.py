@@ -95,10 +95,10 @@ class ContactParameters(ParameterSet):
         source="approach under the static wheel load of 69 kN",
     )
     fastsim_columns: int = quantity(
-        12, "1", "Cells of FASTSIM along the rolling direction", at_least=2, at_most=1000
+        10, "1", "Cells of FASTSIM along the slip zone of a strip", at_least=2, at_most=1000
     )
     fastsim_strips: int = quantity(
-        10, "1", "Cells of FASTSIM across the rolling direction", at_least=2, at_most=1000
+        8, "1", "Strips of FASTSIM across the rolling direction", at_least=2, at_most=1000
     )
 
     @property

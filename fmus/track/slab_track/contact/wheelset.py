@@ -8,7 +8,8 @@ Three steps, so that an implicit integrator can put its iteration between them:
    iteration over the relative normal displacement, a relative displacement
    ``(u_y, u_z)`` of wheel less rail changes the penetration by
    ``-sin(g) u_y + cos(g) u_z``;
-3. :func:`apply_wheel` computes creepages, FASTSIM and the resultants on wheelset and rail.
+3. :func:`patch_forces` computes creepages and FASTSIM, :func:`add_resultants` the resultants on
+   wheelset and rail.
 
 :func:`wheel_rail_contact` does all three for all wheels. The left wheel is the right one's
 mirror image: its motion is mirrored, and so are its forces.
@@ -33,7 +34,7 @@ from slab_track.contact.creepage import (
     Z,
     creepages,
 )
-from slab_track.contact.fastsim import fastsim
+from slab_track.contact.fastsim import creep_forces, fastsim_grid
 from slab_track.contact.tables import lookup_ellipse, lookup_patch
 
 (
@@ -189,71 +190,78 @@ def normal_force(stiffness, penetration):
 
 
 @njit(cache=True)
-def apply_wheel(tables, motion, rail, located, force, wheelset, on_rail, out):
-    """Add the forces of one wheel's patches under given normal forces.
+def patch_forces(tables, grid, motion, rail, row, normal, out):
+    """Fill ``out`` (FORCED,) with the forces of one patch under a given normal force.
 
     Parameters
     ----------
     tables, motion, rail
         As for :func:`locate_wheel`.
-    located
-        Its patches, shape (2, LOCATED).
-    force
-        Normal forces of the patches (N), shape (2,).
-    wheelset
-        Force and moment on the wheelset about its centre, track frame, shape (6,): added to.
-    on_rail
-        Lateral and vertical force and roll moment on the rail about its
-        axis, shape (3,): added to.
+    grid
+        Of FASTSIM, see :func:`slab_track.contact.fastsim.fastsim_grid`.
+    row
+        The located patch, shape (LOCATED,).
+    normal
+        Normal force (N).
     out
-        Receives the patches' forces, shape (2, FORCED).
+        Receives normal and creep forces, creepages and semi-axes.
     """
-    for patch in range(2):
-        row, normal = located[patch], force[patch]
-        out[patch, :] = 0.0
-        if normal <= 0.0 or row[PENETRATION] <= 0.0:
-            continue
-        xi, eta, phi, direction = creepages(
-            motion,
-            rail,
-            row[ARM_X],
-            row[ARM_Y],
-            row[ARM_Z],
-            row[RAIL_ARM_Y],
-            row[RAIL_ARM_Z],
-            row[ANGLE],
-        )
-        scale = row[AXIS_SCALE] * normal ** (1.0 / 3.0)
-        root = math.sqrt(row[AXIS_RATIO])
-        a, b = scale * root, scale / root
-        # Rolling backwards: the patch turned by half a turn about its normal.
-        t_x, t_s, moment = fastsim(
-            normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus, tables.friction,
-            direction * xi, direction * eta, phi, tables.columns, tables.strips,
-        )  # fmt: skip
-        t_x, t_s = direction * t_x, direction * t_s
-        cosine, sine = math.cos(row[ANGLE]), math.sin(row[ANGLE])
-        f_y = cosine * t_s + sine * normal
-        f_z = sine * t_s - cosine * normal
-        arm_x, arm_y, arm_z = row[ARM_X], row[ARM_Y], row[ARM_Z]
-        wheelset[0] += t_x
-        wheelset[1] += f_y
-        wheelset[2] += f_z
-        wheelset[3] += arm_y * f_z - arm_z * f_y
-        wheelset[4] += arm_z * t_x - arm_x * f_z - sine * moment
-        wheelset[5] += arm_x * f_y - arm_y * t_x + cosine * moment
-        on_rail[0] -= f_y
-        on_rail[1] -= f_z
-        on_rail[2] -= row[RAIL_ARM_Y] * f_z - row[RAIL_ARM_Z] * f_y
-        out[patch, NORMAL_FORCE] = normal
-        out[patch, LONGITUDINAL_FORCE] = t_x
-        out[patch, LATERAL_FORCE] = t_s
-        out[patch, SPIN_MOMENT] = moment
-        out[patch, LONGITUDINAL_CREEPAGE] = xi
-        out[patch, LATERAL_CREEPAGE] = eta
-        out[patch, SPIN] = phi
-        out[patch, SEMI_AXIS_A] = a
-        out[patch, SEMI_AXIS_B] = b
+    out[:] = 0.0
+    if normal <= 0.0 or row[PENETRATION] <= 0.0:
+        return
+    xi, eta, phi, direction = creepages(
+        motion,
+        rail,
+        row[ARM_X],
+        row[ARM_Y],
+        row[ARM_Z],
+        row[RAIL_ARM_Y],
+        row[RAIL_ARM_Z],
+        row[ANGLE],
+    )
+    scale = row[AXIS_SCALE] * normal ** (1.0 / 3.0)
+    root = math.sqrt(row[AXIS_RATIO])
+    a, b = scale * root, scale / root
+    # Rolling backwards: the patch turned by half a turn about its normal.
+    t_x, t_s, moment = creep_forces(
+        grid, normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus,
+        tables.friction, direction * xi, direction * eta, phi,
+    )  # fmt: skip
+    out[NORMAL_FORCE] = normal
+    out[LONGITUDINAL_FORCE] = direction * t_x
+    out[LATERAL_FORCE] = direction * t_s
+    out[SPIN_MOMENT] = moment
+    out[LONGITUDINAL_CREEPAGE] = xi
+    out[LATERAL_CREEPAGE] = eta
+    out[SPIN] = phi
+    out[SEMI_AXIS_A] = a
+    out[SEMI_AXIS_B] = b
+
+
+@njit(cache=True)
+def add_resultants(row, force, wheelset, on_rail):
+    """Add a patch's forces on the wheelset (6,) and on the rail's axis (3,).
+
+    ``row`` is the located patch, ``force`` its forces as from :func:`patch_forces`.
+    Wheelset: force and moment about its centre, track frame; rail: lateral and vertical
+    force and roll moment about its axis.
+    """
+    normal, t_x, t_s = force[NORMAL_FORCE], force[LONGITUDINAL_FORCE], force[LATERAL_FORCE]
+    if normal <= 0.0:
+        return
+    cosine, sine = math.cos(row[ANGLE]), math.sin(row[ANGLE])
+    f_y = cosine * t_s + sine * normal
+    f_z = sine * t_s - cosine * normal
+    arm_x, arm_y, arm_z = row[ARM_X], row[ARM_Y], row[ARM_Z]
+    wheelset[0] += t_x
+    wheelset[1] += f_y
+    wheelset[2] += f_z
+    wheelset[3] += arm_y * f_z - arm_z * f_y
+    wheelset[4] += arm_z * t_x - arm_x * f_z - sine * force[SPIN_MOMENT]
+    wheelset[5] += arm_x * f_y - arm_y * t_x + cosine * force[SPIN_MOMENT]
+    on_rail[0] -= f_y
+    on_rail[1] -= f_z
+    on_rail[2] -= row[RAIL_ARM_Y] * f_z - row[RAIL_ARM_Z] * f_y
 
 
 @njit(cache=True)
@@ -282,7 +290,7 @@ def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, loca
     True if all relative positions are inside the tables.
     """
     inside = True
-    normal = np.empty(2)
+    grid = fastsim_grid(tables.columns, tables.strips)
     for i in range(motion.shape[0]):
         wheelsets[i, :] = 0.0
         for k in range(2):
@@ -291,9 +299,8 @@ def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, loca
             row = located[i, k]
             inside &= locate_wheel(tables, side, motion[i], rails[i, k], offsets[i, k], row)
             for patch in range(2):
-                normal[patch], _ = normal_force(row[patch, STIFFNESS], row[patch, PENETRATION])
-            apply_wheel(
-                tables, motion[i], rails[i, k], row, normal, wheelsets[i], on_rails[i, k],
-                forces[i, k],
-            )  # fmt: skip
+                normal, _ = normal_force(row[patch, STIFFNESS], row[patch, PENETRATION])
+                force = forces[i, k, patch]
+                patch_forces(tables, grid, motion[i], rails[i, k], row[patch], normal, force)
+                add_resultants(row[patch], force, wheelsets[i], on_rails[i, k])
     return inside
