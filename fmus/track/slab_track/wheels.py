@@ -183,8 +183,7 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
-    damping = np.zeros(2)
-    for iteration in range(_ITERATIONS):
+    for _ in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
         inside = locate_wheel(tables, side, motion, rail, offset, located)
         error = _solve_normal(compliance, located, force, normal, creep)
@@ -197,8 +196,8 @@ def solve_wheel(
             patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
             if normal[patch] > 0.0:
                 change = answer[LATERAL_FORCE] - creep[patch]
-                damping[patch] = _damping(tables, motion, mobility, row, answer)
-                creep[patch] += change / (1.0 + damping[patch])
+                damped = _damping(tables, motion, mobility, row, answer)
+                creep[patch] += change / (1.0 + damped)
                 # The true force lies between both values.
                 error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
                 answer[LATERAL_FORCE] = creep[patch]

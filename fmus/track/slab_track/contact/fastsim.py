@@ -16,10 +16,10 @@ Up to there the traction is known in closed form: at the distance s from the lea
 
 (in units of the semi-axes and of the bound), and its integrals are polynomials in s. Only
 the rest of the strip is stepped through, in cells whose centres are the zeros of a Chebyshev
-polynomial, with Fejer's weights: exact for the parabola of full slip. Each step takes the slip at its
-middle. Strips are at equal steps of the angle whose sine is y. So the border of the slip
-zone falls between no cells: 10 x 8 cells are within 0.1 % of :func:`closed_form`, and the
-forces are smooth functions of the creepages.
+polynomial, with Fejer's weights: exact for the parabola of full slip. Each step takes the
+slip at its middle. Strips are at equal steps of the angle whose sine is y. As no cell holds
+both adhesion and slip, 10 x 8 cells are within 0.1 % of :func:`closed_form`, and the forces
+are smooth functions of the creepages.
 
 In a slipping cell the traction must oppose the slip ``w - L dp/dx``. With different
 flexibilities that is not the direction of the adhesive traction ``p'``, by which FASTSIM
