@@ -11,6 +11,7 @@ from rail_cosim.algorithms import Algorithm
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.simulation import Outcome
 from rail_cosim.slave import Slave
+from rail_cosim.steady import SteadyReport
 
 
 def parameter_attributes(slave: Slave) -> dict[str, Any]:
@@ -58,6 +59,18 @@ def run_attributes(outcome: Outcome, algorithm: Algorithm, command: str) -> dict
         "interface_energy_absolute_defect": outcome.energy.absolute_defect,
         "interface_energy_exchanged": outcome.energy.exchanged,
         "interface_energy_share": outcome.energy.share,
+        **steady_attributes(outcome.steady),
+    }
+
+
+def steady_attributes(report: SteadyReport | None) -> dict[str, Any]:
+    """Return whether the run had become steady; nothing where this was not asked for."""
+    if report is None:
+        return {}
+    return {
+        "steady": report.steady,
+        "steady_change": report.change,
+        "steady_tolerance": report.tolerance,
     }
 
 

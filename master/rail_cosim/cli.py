@@ -68,7 +68,7 @@ class _Terminal:
         now = time.monotonic()
         if now - self._drawn >= _DRAW_EVERY or done == planned:
             self._drawn = now
-            self._bar.update(self._task, description="stepping", completed=done, total=planned)
+            self._bar.update(self._task, completed=done, total=planned)
             self._bar.refresh()
 
     def notice(self, text: str) -> None:
@@ -139,6 +139,14 @@ def run(
     distance: Annotated[
         float, typer.Option(help="Way of the leading wheelset.", metavar="M")
     ] = 100.0,
+    until_steady: Annotated[
+        float | None,
+        typer.Option(
+            help="End when the motion is steady: the largest relative change of wheel forces and "
+            "axle-box accelerations from slab to slab, 0.001 say; --distance is the largest way.",
+            metavar="CHANGE",
+        ),
+    ] = None,
     irregularity: Annotated[
         str | None,
         typer.Option(
@@ -195,6 +203,7 @@ def run(
             track=track,
             speed=speed,
             distance=distance,
+            until_steady=until_steady,
             irregularity=irregularity,
             settings=settings or [],
             macro_step=macro_step,

@@ -106,6 +106,12 @@ class SlaveError(RailCosimError):
         super().__init__(f"{slave}: {call} failed{when} (status {status.name.lower()}): {said}")
 
 
+class RefusalError(SlaveError):
+    """A slave refused the values of its parameters during set-up."""
+
+    exit_status = 2
+
+
 class DivergenceError(RailCosimError):
     """An exchanged quantity is no longer a finite number, or an iteration does not converge."""
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -26,10 +27,10 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 from rail_cosim.description import FmuDescription, read_description
-from rail_cosim.errors import FmuFileError, SlaveError, StructureError
+from rail_cosim.errors import FmuFileError, RefusalError, SlaveError, StructureError
 from rail_cosim.extraction import extract
 from rail_cosim.fmu_log import Log, deliver
-from rail_cosim.slave import Status, Value, Variable
+from rail_cosim.slave import Message, Status, Value, Variable
 
 _VECTOR_CALL = ctypes.CFUNCTYPE(
     ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
@@ -263,7 +264,15 @@ class FmuSlave:
         known = Status(status) if status in list(Status) else Status.FATAL
         self._usable = known not in (Status.ERROR, Status.FATAL)
         self._may_free = known is not Status.FATAL
-        raise SlaveError(self.name, call, known, self._log.problems(), self._time) from cause
+        said = self._log.problems()
+        refused = self._time is None and self._names_parameter(said)
+        kind = RefusalError if refused else SlaveError
+        raise kind(self.name, call, known, said, self._time) from cause
+
+    def _names_parameter(self, messages: Sequence[Message]) -> bool:
+        """Whether the FMU says which of its parameters it does not like."""
+        words = {word for m in messages for word in re.findall(r"[\w.\[\]]*\w", m.text)}
+        return any(v.causality == "parameter" and v.name in words for v in self.variables.values())
 
     def close(self) -> None:
         """Terminate and release the instance; does nothing the second time.

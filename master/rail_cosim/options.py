@@ -30,6 +30,11 @@ class RunOptions:
         In km/h; ``None`` for the vehicle's own.
     distance
         Way of the leading wheelset in m.
+    until_steady
+        End the run when it is steady: the largest relative change of wheel forces and axle-box
+        accelerations from slab to slab (see :mod:`rail_cosim.steady`); ``distance`` is then
+        the largest way, and ``macro_step`` is shortened to the next whole part of a slab length.
+        ``None`` for the whole way.
     irregularity
         A spectrum of the track FMU, ``rail_joint``, or a file (see
         :func:`rail_cosim.irregularity.irregularity_parameters`); ``None`` for the track's own.
@@ -52,6 +57,7 @@ class RunOptions:
     track: Path | None = None
     speed: float | None = None
     distance: float = 100.0
+    until_steady: float | None = None
     irregularity: str | None = None
     settings: Sequence[str] = ()
     macro_step: float = MACRO_STEP
@@ -66,9 +72,10 @@ class RunOptions:
             ("--distance", self.distance, "m"),
             ("--macro-step", self.macro_step, "s"),
             ("--speed", self.speed, "km/h"),
+            ("--until-steady", self.until_steady, ""),
         )
         for name, value, unit in limits:
             if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise ParameterError(name, value, f"must be greater than 0 {unit}")
+                raise ParameterError(name, value, f"must be greater than 0 {unit}".rstrip())
         if self.record_every < 1:
             raise ParameterError("--record-every", self.record_every, "must be at least 1")

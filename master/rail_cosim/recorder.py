@@ -65,6 +65,30 @@ class Recorder:
         """Recorded points in s, shape (n,)."""
         return np.array(self._times)
 
+    def latest(self, slave: str, columns: Sequence[int], count: int) -> NDArray[np.float64]:
+        """Return the last ``count`` records of some real outputs, or as many as there are.
+
+        Parameters
+        ----------
+        slave
+            Its name.
+        columns
+            Positions among the slave's outputs, as in the names of :meth:`values`.
+        count
+            Number of records.
+
+        Returns
+        -------
+        ndarray
+            Shape (n, len(columns)).
+        """
+        position = [port.slave.name for port in self._ports].index(slave)
+        first = max(0, len(self) - count)
+        skipped = first // _ROWS
+        kept = [block[position][:, columns] for block in self._blocks[skipped:]]
+        rows = slice(first - skipped * _ROWS, len(self) - skipped * _ROWS)
+        return np.concatenate([np.empty((0, len(columns))), *kept])[rows]
+
     def values(self, slave: str) -> tuple[tuple[str, ...], NDArray[np.float64]]:
         """Return names and values, shape (n, number of outputs), of one slave."""
         for position, port in enumerate(self._ports):

@@ -35,6 +35,7 @@ from rail_cosim.recorder import Recorder
 from rail_cosim.results import check_netcdf, check_writable, to_dataset, write_netcdf
 from rail_cosim.simulation import Outcome, Simulation
 from rail_cosim.slave import Slave, Value
+from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
 
@@ -78,6 +79,7 @@ def run(
     track: str | Path | None = None,
     speed: float | None = None,
     distance: float = 100.0,
+    until_steady: float | None = None,
     irregularity: str | Path | None = None,
     settings: Mapping[str, Value] | None = None,
     macro_step: float = MACRO_STEP,
@@ -91,7 +93,7 @@ def run(
 
     Parameters
     ----------
-    line, vehicle, track, distance, macro_step, algorithm, record_every, out, plot
+    line, vehicle, track, distance, until_steady, macro_step, algorithm, record_every, out, plot
         As in :class:`RunOptions`.
     speed
         In km/h, as on the command line.
@@ -116,6 +118,7 @@ def run(
         track=None if track is None else Path(track),
         speed=speed,
         distance=distance,
+        until_steady=until_steady,
         irregularity=None if irregularity is None else str(irregularity),
         settings=[f"{name}={value}" for name, value in (settings or {}).items()],
         macro_step=macro_step,
@@ -139,7 +142,7 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
     reporter.stage("finding the FMUs")
     descriptions, presets = find_fmus(options)
     parameters = gather_parameters(options, descriptions, presets)
-    dataset, outcome = _simulate(options, descriptions, parameters, reporter)
+    dataset, outcome = simulate(options, descriptions, parameters, reporter)
     if options.out:
         reporter.stage(f"writing {options.out}")
         write_netcdf(dataset, options.out)
@@ -210,12 +213,19 @@ def gather_parameters(
     return values
 
 
-def _simulate(
+def simulate(
     options: RunOptions,
     descriptions: Mapping[str, FmuDescription],
     parameters: Mapping[str, Mapping[str, Value]],
     reporter: Reporter,
 ) -> tuple[xr.Dataset, Outcome]:
+    """Run two FMUs with checked parameters; return the records, and how it ended.
+
+    Raises
+    ------
+    RailCosimError
+        If it cannot start; what happens in a step is in the outcome.
+    """
     algorithm = make_algorithm(options.algorithm)
     with contextlib.ExitStack() as stack:
         note = stack.enter_context(InterruptNote())
@@ -240,11 +250,17 @@ def _simulate(
         _pass_on_warnings(slaves, reporter)
         speed = running_speed(system)
         recorder = Recorder(system.ports, every=options.record_every)
-        simulation = Simulation(system, algorithm, recorder, step_size=options.macro_step)
-        steps = step_count(options.distance, speed, options.macro_step)
+        step_size = _step_size(options, system, speed)
+        simulation = Simulation(system, algorithm, recorder, step_size=step_size)
+        steps = step_count(options.distance, speed, step_size)
+        stop = None
+        if tolerance := options.until_steady:
+            about = {"tolerance": tolerance, "speed": speed, "step_size": step_size}
+            stop = SteadyState(system, recorder, **about)
         # Read now: after an error the FMUs answer no more.
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
-        outcome = simulation.run(steps, note=note, progress=reporter.progress)
+        reporter.stage("stepping")
+        outcome = simulation.run(steps, note=note, progress=reporter.progress, stop=stop)
         _pass_on_warnings(slaves, reporter)
         attributes = {
             **run_attributes(outcome, algorithm, options.command),
@@ -254,6 +270,14 @@ def _simulate(
             **fixed,
         }
         return to_dataset(system, recorder, attributes), outcome
+
+
+def _step_size(options: RunOptions, system: SystemStructure, speed: float) -> float:
+    """Return the macro step (s), shortened where the run is to end when it is steady."""
+    if options.until_steady is None:
+        return options.macro_step
+    pitch = slab_pitch(system["track"])
+    return fitted_step(pitch, speed, options.macro_step, options.record_every)
 
 
 def _planned_time(

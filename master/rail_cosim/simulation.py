@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time as clock
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -13,10 +14,32 @@ from rail_cosim.energy import EnergyReport, InterfaceEnergy
 from rail_cosim.errors import DivergenceError, RailCosimError
 from rail_cosim.interrupts import InterruptNote
 from rail_cosim.recorder import Recorder
+from rail_cosim.steady import SteadyReport
 from rail_cosim.system import SystemStructure
 
 Progress = Callable[[int, int], None]
 _BLOCK = 200
+
+
+class StopRule(Protocol):
+    """Ends a run before all its steps are done.
+
+    Attributes
+    ----------
+    next_step
+        The number of steps after which it wants to be asked next; grows with each asking.
+    """
+
+    next_step: int
+
+    @property
+    def report(self) -> SteadyReport:
+        """What it found."""
+        ...
+
+    def check(self) -> bool:
+        """Whether to stop now."""
+        ...
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -26,7 +49,7 @@ class Outcome:
     Attributes
     ----------
     steps, planned
-        Macro steps done and asked for.
+        Macro steps done, and asked for at most.
     step_size
         Macro step in s.
     error
@@ -35,6 +58,8 @@ class Outcome:
         Time spent stepping, in s.
     energy
         The interface's energy defect.
+    steady
+        What the stop rule found, ``None`` without one.
     """
 
     steps: int
@@ -44,10 +69,11 @@ class Outcome:
     wall: float
     cpu: float
     energy: EnergyReport
+    steady: SteadyReport | None = None
 
     @property
     def complete(self) -> bool:
-        """Whether all steps were done."""
+        """Whether it was not ended by an error."""
         return self.error is None
 
     @property
@@ -92,8 +118,9 @@ class Simulation:
         *,
         note: InterruptNote | None = None,
         progress: Progress = lambda done, planned: None,
+        stop: StopRule | None = None,
     ) -> Outcome:
-        """Do ``steps`` macro steps, or as many as can be done.
+        """Do ``steps`` macro steps, or as many as can be done, or until ``stop`` says so.
 
         Never raises for what happens in a step: a slave's error, a value that
         is no longer finite and Ctrl-C are in the outcome, so that the records
@@ -105,9 +132,12 @@ class Simulation:
         try:
             self._recorder.record(0.0)
             while self._done < steps:
-                self._block(min(_BLOCK, steps - self._done), note)
+                until = min(steps, self._done + _BLOCK, stop.next_step if stop else steps)
+                self._block(until - self._done, note)
                 self._check_finite()
                 progress(self._done, steps)
+                if stop and self._done == stop.next_step and stop.check():
+                    break
         except (RailCosimError, KeyboardInterrupt) as caught:
             error = caught
         return Outcome(
@@ -118,6 +148,7 @@ class Simulation:
             wall=clock.perf_counter() - wall,
             cpu=clock.process_time() - cpu,
             energy=self._energy.report(),
+            steady=stop.report if stop else None,
         )
 
     def _block(self, count: int, note: InterruptNote) -> None:

@@ -139,9 +139,6 @@ def periods(dataset: xr.Dataset) -> tuple[float, float]:
     """Return bay length and slab pitch in m from the track's parameters; NaN if not known."""
     about = dataset.attrs
     bay = float(about.get("track.fastener.spacing", math.nan))
-    length = float(about.get("track.slab.length", 0.0))
-    if length > 0.0:
-        return bay, length + float(about.get("track.slab.gap", 0.0))
     return bay, bay * float(about.get("track.fastener.count_per_slab", math.nan))
 
 

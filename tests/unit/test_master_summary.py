@@ -129,9 +129,10 @@ def test_range_without_a_period_is_the_second_half(bay, slab):
     assert "whole" not in chosen.text
 
 
-def test_slab_pitch_is_length_and_gap_where_a_length_is_set():
+def test_slab_pitch_is_that_of_the_fasteners_where_a_length_is_set():
+    """A shorter slab leaves a wider gap: slab.gap only derives a length that is not set."""
     data = made_run(**{"track.slab.length": 4.93, "track.slab.gap": 0.07})
-    assert summarise(data).slab_frequency == pytest.approx(SPEED / 5.0)
+    assert summarise(data).slab_frequency == pytest.approx(SPEED / SLAB)
 
 
 def test_short_run_has_no_slab_amplitude():
