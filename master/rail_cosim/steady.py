@@ -1,4 +1,4 @@
-"""Steady state, detected: do successive slab lengths of a run repeat?
+"""Steady state, detected: successive slab lengths of a run are compared.
 
 A vehicle on smooth track runs into a motion that repeats with the slab pitch. With ``x(t)`` a
 wheel force or an axle-box acceleration and ``T`` the time of one pitch, the change over the last

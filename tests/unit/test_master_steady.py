@@ -69,14 +69,15 @@ class Wheel(mocks.MockSlave):
 
 
 def settling(*, tolerance, spacing=True, output="wheelset[1].left.normal_force"):
-    """A simulation of one slave whose motion repeats ever better, and its stop rule."""
+    """Return a system whose motion repeats ever better, its recorder and its stop rule."""
     variables = [mocks.variable(output)]
     if spacing:
         variables += [
             mocks.variable("fastener.spacing", "parameter", "m", start=0.625),
             mocks.variable("fastener.count_per_slab", "parameter", kind="integer", start=8),
         ]
-    system = SystemStructure([Wheel("track", variables), mocks.MockSlave("vehicle", [])])
+    taker = mocks.MockSlave("vehicle", [mocks.variable(output, "input")])
+    system = SystemStructure([Wheel("track", variables), taker])
     recorder = Recorder(system.ports)
     rule = SteadyState(system, recorder, tolerance=tolerance, speed=50.0, step_size=2e-3)
     return system, recorder, rule
