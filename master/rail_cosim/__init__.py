@@ -14,14 +14,16 @@ if TYPE_CHECKING:
     from rail_cosim.runner import run as run
     from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
+    from rail_cosim.sweeps import sweep as sweep
 
-__all__ = ["build", "run", "study", "summarise", "version"]
+__all__ = ["build", "run", "study", "summarise", "sweep", "version"]
 
 _HOME = {
     "build": "rail_cosim.builder",
     "run": "rail_cosim.runner",
     "study": "rail_cosim.studies",
     "summarise": "rail_cosim.summary",
+    "sweep": "rail_cosim.sweeps",
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import xarray as xr
 from rich.console import Group
@@ -11,6 +12,8 @@ from rich.text import Text
 
 from rail_cosim.results import SIDES
 from rail_cosim.summary import Summary
+
+_SHOWN = 10
 
 
 def _number(value: float, factor: float = 1.0, digits: int = 2) -> str:
@@ -85,3 +88,26 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
         steps = f"incomplete run: {about['steps']} of {about['steps_planned']} steps"
         parts.append(Text(steps, style="bold red"))
     return Group(*parts)
+
+
+def sweep_table(dataset: xr.Dataset) -> Table:
+    """Return how many points of a sweep there are, were steady and failed, and why.
+
+    Parameters
+    ----------
+    dataset
+        As :func:`rail_cosim.sweep` returns it.
+    """
+    error = dataset["error"]
+    failed = [str(text) for text in error.to_numpy().ravel() if text]
+    facts = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    facts.add_row("points", str(error.size))
+    if "steady" in dataset:
+        facts.add_row("steady", str(int((dataset["steady"] == 1).sum())))
+    facts.add_row("failed", str(len(failed)))
+    reasons = Counter(failed)
+    for text, count in reasons.most_common(_SHOWN):
+        facts.add_row("", Text(f"{count} x {text}"))
+    if len(reasons) > _SHOWN:
+        facts.add_row("", f"and {len(reasons) - _SHOWN} other reasons: see the variable error")
+    return facts

@@ -1,0 +1,223 @@
+"""What a sweep is asked for: axes, fixed settings, what to keep; from TOML or from Python."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rail_cosim.errors import ParameterError, UnknownNameError
+from rail_cosim.options import RunOptions
+from rail_cosim.slave import Value
+from rail_cosim.sweeps.quantities import STATISTICS
+
+RUN_OPTIONS = (
+    "line",
+    "vehicle",
+    "track",
+    "speed",
+    "distance",
+    "until_steady",
+    "irregularity",
+    "macro_step",
+    "algorithm",
+    "record_every",
+)
+"""Options of a run that may be fixed or be an axis."""
+
+KEPT: Mapping[str, Sequence[str]] = {
+    "normal_force": ("max", "min", "mean", "half_range", "lift_off_time"),
+    "axle_box_vertical_acceleration": ("max", "min", "half_range", "peak", "dominant_frequency"),
+}
+"""What is kept of each point unless said otherwise: statistics by variable of a run."""
+
+DISTANCE, UNTIL_STEADY = 500.0, 1e-3
+_OWNERS = ("track.", "vehicle.")
+_SECTIONS = ("run", "set", "grid", "points", "keep", "history")
+_RANGE = {"start", "stop", "step"}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SweepSpecification:
+    """Points and what is common to them.
+
+    Attributes
+    ----------
+    grid
+        Values by axis: all combinations are run.
+    points
+        Or single points, each with a value for the same axes.
+    run
+        Options of a run (:data:`RUN_OPTIONS`) common to all points.
+    settings
+        Parameter values by full name, common to all points.
+    keep
+        Statistics (:data:`rail_cosim.sweeps.quantities.STATISTICS`) by variable of a run's
+        Dataset, over the last slab length.
+    history
+        Variables of which the records themselves are kept, each ``history_every``-th.
+
+    An axis is an option of a run, or a parameter by its full name.
+
+    Raises
+    ------
+    ParameterError
+        For anything that makes no sense.
+    """
+
+    grid: Mapping[str, Sequence[Value]] = dataclasses.field(default_factory=dict)
+    points: Sequence[Mapping[str, Value]] = ()
+    run: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    settings: Mapping[str, Value] = dataclasses.field(default_factory=dict)
+    keep: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=lambda: dict(KEPT))
+    history: Sequence[str] = ()
+    history_every: int = 1
+
+    def __post_init__(self) -> None:
+        if bool(self.grid) == bool(self.points):
+            limit = "a sweep needs axes or single points, and not both"
+            raise ParameterError("grid", dict(self.grid), limit, "give [grid] or [[points]]")
+        for name in (*self.axes, *self.settings):
+            _check_axis(name)
+        for name in self.run:
+            if name not in RUN_OPTIONS:
+                raise UnknownNameError(f"run.{name}", self.run[name], RUN_OPTIONS, "option", name)
+        for name in self.axes:
+            if name in self.settings or name in self.run:
+                limit = "it is an axis and fixed at once"
+                raise ParameterError(name, {**self.run, **self.settings}[name], limit)
+        for axis, values in self.grid.items():
+            if len(values) == 0 or len(set(values)) < len(values):
+                raise ParameterError(axis, list(values), "must be different values, at least one")
+        for point in self.points:
+            if set(point) != set(self.axes):
+                limit = "every point must give the same axes: " + ", ".join(self.axes)
+                raise ParameterError("points", dict(point), limit)
+        self._check_kept()
+
+    def _check_kept(self) -> None:
+        for variable, statistics in self.keep.items():
+            for name in statistics:
+                if name not in STATISTICS:
+                    raise UnknownNameError(
+                        f"keep.{variable}", name, STATISTICS, "statistic", name, listed=True
+                    )
+        if self.history_every < 1:
+            raise ParameterError("history.every", self.history_every, "must be at least 1")
+        if self.history and {"macro_step", "record_every"} & set(self.axes):
+            limit = "histories need the same points of time in all runs"
+            raise ParameterError("history", list(self.history), limit, "drop this axis")
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Names of the axes, in order."""
+        return tuple(self.grid) if self.grid else tuple(self.points[0])
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values on each axis of a grid; of single points their number."""
+        if self.grid:
+            return tuple(len(values) for values in self.grid.values())
+        return (len(self.points),)
+
+    def all_points(self) -> list[dict[str, Value]]:
+        """Return the values of the axes at all points, the last axis running fastest."""
+        if self.points:
+            return [dict(point) for point in self.points]
+        combinations = itertools.product(*self.grid.values())
+        return [dict(zip(self.grid, values, strict=True)) for values in combinations]
+
+    def options(self, point: Mapping[str, Value]) -> RunOptions:
+        """Return the options of the run at one point."""
+        given: dict[str, Any] = {"distance": DISTANCE, "until_steady": UNTIL_STEADY, **self.run}
+        settings = dict(self.settings)
+        for name, value in point.items():
+            (settings if name.startswith(_OWNERS) else given)[name] = value
+        for name in ("vehicle", "irregularity"):
+            given[name] = None if given.get(name) is None else str(given[name])
+        given["track"] = None if given.get("track") is None else Path(given["track"])
+        given["until_steady"] = given["until_steady"] or None  # false or 0: the whole way
+        return RunOptions(**given, settings=[f"{k}={_text(v)}" for k, v in settings.items()])
+
+
+def _text(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _check_axis(name: str) -> None:
+    if not name.startswith(_OWNERS) and name not in RUN_OPTIONS:
+        what = "axis (write track.NAME, vehicle.NAME or an option of a run)"
+        raise UnknownNameError(name, None, RUN_OPTIONS, what, listed=True)
+
+
+def read_specification(path: Path) -> SweepSpecification:
+    """Return the specification in a TOML file.
+
+    ``[run]`` has options of a run, ``[set]`` fixed parameters, ``[grid]`` axes (a list, or
+    ``{start = 80, stop = 400, step = 5}`` with both ends), ``[[points]]`` single points
+    instead, ``[keep]`` statistics by variable, ``[history]`` ``variables`` and ``every``.
+
+    Raises
+    ------
+    ParameterError
+        If it cannot be read or makes no sense.
+    """
+    try:
+        with path.open("rb") as file:
+            content = tomllib.load(file)
+    except OSError as error:
+        raise ParameterError("SPEC", str(path), f"cannot be read ({error.strerror})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError("SPEC", str(path), f"is no TOML file ({error})") from error
+    for section in content:
+        if section not in _SECTIONS:
+            raise UnknownNameError(section, "[...]", _SECTIONS, "section", listed=True)
+    given: dict[str, Any] = {
+        "grid": {name: _axis(name, value) for name, value in _flat(content.get("grid", {}))},
+        "points": [dict(_flat(point)) for point in content.get("points", [])],
+        "run": content.get("run", {}),
+        "settings": dict(_flat(content.get("set", {}))),
+    }
+    if "keep" in content:
+        given["keep"] = content["keep"]
+    history = dict(content.get("history", {}))
+    given["history"] = history.pop("variables", ())
+    given["history_every"] = history.pop("every", 1)
+    if history:
+        name, value = next(iter(history.items()))
+        raise UnknownNameError(f"history.{name}", value, ("variables", "every"), "entry", name)
+    return SweepSpecification(**given)
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Return the entries with dotted names; a table that is a range is one entry."""
+    entries: list[tuple[str, Any]] = []
+    for name, value in table.items():
+        if isinstance(value, Mapping) and set(value) != _RANGE:
+            entries += _flat(value, f"{prefix}{name}.")
+        else:
+            entries.append((prefix + name, value))
+    return entries
+
+
+def _axis(name: str, value: Any) -> list[Value]:
+    if isinstance(value, list):
+        return value
+    if not isinstance(value, Mapping):
+        limit = "must be a list or {start = ..., stop = ..., step = ...}"
+        raise ParameterError(f"grid.{name}", value, limit)
+    return steps(name, value["start"], value["stop"], value["step"])
+
+
+def steps(name: str, start: float, stop: float, step: float) -> list[Value]:
+    """Return the values from ``start`` to ``stop``, both included, at distances ``step``."""
+    count = (stop - start) / step if step else math.nan
+    if not (math.isfinite(count) and count > -1e-9 and abs(count - round(count)) < 1e-6):
+        shown = {"start": start, "stop": stop, "step": step}
+        limit = "stop must be a whole number of steps after start"
+        raise ParameterError(f"grid.{name}", shown, limit)
+    return [start + i * step for i in range(round(count) + 1)]
