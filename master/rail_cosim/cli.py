@@ -291,7 +291,12 @@ def sweep(
 
 @app.command()
 def study(
-    name: Annotated[str, typer.Argument(help="critical-speed or contact-geometry.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="critical-speed, contact-geometry, receptance, p2 or fig10.", metavar="NAME"
+        ),
+    ],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
         "."
@@ -315,11 +320,21 @@ def study(
     contact-geometry: rolling-radius difference, contact angle and contact points
     of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
 
+    receptance: motion of the rail heads per unit harmonic force, vertical and
+    lateral, between fasteners and over one, from 2 Hz to 2 kHz.
+
+    p2: P2 resonance for fasteners from 20 to 250 MN/m: the article's formula
+    beside the eigenfrequency of a wheelset on the track.
+
+    fig10: shape of that mode, for nominal and for winter fasteners.
+
     For example:
 
       rail-cosim study critical-speed --out studies --set vehicle.yaw_damper.damping=0
 
       rail-cosim study contact-geometry --set track.contact.rail_profile=60E1
+
+      rail-cosim study p2 --set vehicle.wheelset.mass=1500
     """
     from rail_cosim.studies import StudyOptions, run_study
 

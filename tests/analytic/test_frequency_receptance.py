@@ -41,7 +41,6 @@ def impulse_response(step, load):
             "interface": "applied_force",
             "static_wheel_load": 0.0,
             "wheelset_count": 2,
-            "window.method": "moving_mass",
             "integration.maximum_step": step,
         },
     )

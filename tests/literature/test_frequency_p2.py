@@ -83,8 +83,8 @@ def test_pinned_pinned_closed_form(spacing, wanted):
 
 @pytest.mark.parametrize("spacing", [0.629, 0.600])
 def test_receptance_has_peak_and_dip_at_the_pinned_pinned_frequency(spacing):
-    line = with_values(HD, {"fastener.spacing": spacing, "fastener.vertical_damping": 200.0})
+    line = with_values(HD, {"fastener.spacing": spacing, "fastener.vertical_damping": 1000.0})
     wanted = pinned_pinned_frequency(line)
     found = pinned_pinned_extremes(line)
-    assert found.peak == pytest.approx(wanted, rel=0.01)
-    assert found.dip == pytest.approx(wanted, rel=0.005)
+    assert found.peak == pytest.approx(wanted, rel=1e-3)
+    assert wanted < found.dip < 1.012 * wanted

@@ -20,13 +20,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 from rail_quantities import ParameterSet, quantity
 
-from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, assemble, plate_modes
+from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble, plate_modes
 from slab_track.errors import TrackError
 from slab_track.frequency.p2 import p2_formula
-from slab_track.frequency.vertical import VerticalResponse
+from slab_track.frequency.vertical import VerticalResponse, fastener_stiffness
 from slab_track.parameters import TrackParameters
 
 _TABLE_2 = "Table 2 of the article"
@@ -149,6 +148,8 @@ class CoupledSystem:
     contact_stiffness
         Linearised Hertz stiffness k_H per wheel in N/m; infinite for a rigid contact; without
         it that of eq. (1) under ``static_wheel_load``.
+    track
+        The track assembled from ``p``, if it is there already.
     """
 
     def __init__(
@@ -158,10 +159,11 @@ class CoupledSystem:
         positions: np.ndarray,
         *,
         contact_stiffness: float | None = None,
+        track: LinearTrack | None = None,
     ) -> None:
         self.parameters, self.wheelset = p, wheelset
         self.positions = np.atleast_1d(np.asarray(positions, dtype=float))
-        self.track = assemble(p)
+        self.track = assemble(p) if track is None else track
         stiffness = hertz_stiffness(p) if contact_stiffness is None else contact_stiffness
         self._contact_compliance = 1.0 / stiffness
         self._half_distance = 0.5 * p.contact.rolling_circle_distance
@@ -196,7 +198,10 @@ class CoupledSystem:
         """Solve T v = mu T' v at s."""
         step = _DIFFERENCE * abs(s)
         slope = self.matrix(s + step, symmetry) - self.matrix(s - step, symmetry)
-        return scipy.linalg.eig(self.matrix(s, symmetry), slope / (2.0 * step))
+        values, vectors = np.linalg.eig(
+            np.linalg.solve(slope / (2.0 * step), self.matrix(s, symmetry))
+        )
+        return values, vectors
 
     def _converged(
         self, s: complex, vector: np.ndarray, symmetry: int
@@ -249,7 +254,7 @@ class CoupledSystem:
             contact_force=force,
             rail=solved.rail @ force,
             rail_position=x,
-            fastener=fastener / (track.stiffness + s * track.damping),
+            fastener=fastener / fastener_stiffness(track, s),
             seat=seat.ravel(),
             # The class's rail motion is sqrt(2) times that of either rail; so are its seats.
             slab=np.sqrt(2.0) * np.einsum("enx,sn->esx", shapes, slab),

@@ -8,7 +8,7 @@ integrates (:mod:`slab_track.vertical`) become algebraic. Every mode answers a m
 the modes left out with their static compliance. Fasteners, with
 :math:`\kappa(s) = k + s c` on modal and residual compression alike, carry
 
-.. math:: p = (I/\kappa + Y + R)^{-1} (Y_w + R_w) F
+.. math:: p = (\kappa^{-1} + Y + R)^{-1} (Y_w + R_w) F
 
 with Y the modal and R the residual compliance between the fasteners (rail and slab),
 :math:`Y_w, R_w` those between fasteners and places on the rail. The rail at the places x is
@@ -92,7 +92,7 @@ class VerticalResponse:
         beta = np.sum(track.participation**2 * rail_weight, axis=0)[:, None]
         matrix = _admittance(track, rail_weight, slab_weight, symmetry)
         matrix = matrix + self._between_fasteners[symmetry]
-        matrix[np.diag_indices_from(matrix)] += 1.0 / (track.stiffness + s * track.damping)
+        matrix[np.diag_indices_from(matrix)] += 1.0 / fastener_stiffness(track, s)
         # Places to fasteners: the forces there per force here, and the deflections back.
         excited = self._at_fasteners(beta * self._sources.modal) + self._from_source
         felt = self._at_fasteners(beta * self._receivers.modal) + self._to_receiver
@@ -108,6 +108,11 @@ class VerticalResponse:
     def _at_fasteners(self, amplitudes: np.ndarray) -> np.ndarray:
         """Sum waves (N, x), real or complex, at the fasteners, (P, x)."""
         return self.track.fastener_sines.T @ _apart(self.track.fold, amplitudes)
+
+
+def fastener_stiffness(track: LinearTrack, s: complex) -> np.ndarray:
+    """Return kappa(s) of every fastener, N/m, (P,); those near the ends may have more damping."""
+    return track.stiffness + s * (track.damping + track.end_damping)
 
 
 def check_places(length: float, **places: np.ndarray) -> None:
@@ -132,7 +137,8 @@ def modal_weight(omega_squared: np.ndarray, s: complex) -> np.ndarray:
     passed at a relative distance of :data:`NEAREST_POLE`.
     """
     square = complex(s) ** 2
-    distance = omega_squared + (square.real if square.imag == 0.0 else square)
+    on_axis = square.imag == 0.0
+    distance = omega_squared + (square.real if on_axis else square)
     least = NEAREST_POLE * abs(square)
     return 1.0 / np.where(np.abs(distance) < least, least, distance)
 
@@ -156,12 +162,13 @@ def _admittance(
     if np.isrealobj(rail_weight):
         return track.fastener_admittance(rail_weight, slab_weight, symmetry)
     # It is linear in the weights, and sums real rail weights only.
-    of_rail = track.fastener_admittance(rail_weight.imag, np.zeros(slab_weight.size), symmetry)
-    return track.fastener_admittance(rail_weight.real, slab_weight, symmetry) + 1j * of_rail
+    real, imaginary = np.real(rail_weight), np.imag(rail_weight)
+    of_rail = track.fastener_admittance(imaginary, np.zeros(slab_weight.size), symmetry)
+    return track.fastener_admittance(real, slab_weight, symmetry) + 1j * of_rail
 
 
 def _apart(function, values: np.ndarray) -> np.ndarray:
     """Apply a real linear function to complex values."""
     if np.isrealobj(values):
         return function(values)
-    return function(values.real) + 1j * function(values.imag)
+    return function(np.real(values)) + 1j * function(np.imag(values))
