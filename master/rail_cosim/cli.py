@@ -293,9 +293,7 @@ def sweep(
 def study(
     name: Annotated[
         str,
-        typer.Argument(
-            help="critical-speed, contact-geometry, receptance, p2 or fig10.", metavar="NAME"
-        ),
+        typer.Argument(help="critical-speed, contact-geometry, receptance, p2 or fig10."),
     ],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
