@@ -21,7 +21,7 @@ from slab_track.motion import MotionHistory
         ("slab.length", 6.0, r"slab\.length = 6\.0.*at most the 5\.032 m"),
         ("slab.gap", 0.7, r"slab\.gap = 0\.7.*less than the 0\.629 m"),
         ("slab.width", 1.2, r"slab\.width = 1\.2.*more than the 1\.493 m"),
-        ("window.sample_count", 300, r"window\.sample_count = 300.*more than rail\.mode_count"),
+        ("window.sample_count", 200, r"window\.sample_count = 200.*more than rail\.mode_count"),
         ("window.slab_count", 1, "at least 3"),
         ("rail.residual_compliance", 1, "true or false"),
     ],
@@ -80,6 +80,14 @@ def test_moving_mass_ends_before_the_wheel_leaves_the_window():
     assert state.slide_count == 0
     with pytest.raises(TrackError, match=r"within 3 m of the ends.*window\.method = moving_mass"):
         model.step(state, _motion([x + 20.0], 80.0), 1e-2)
+
+
+def test_offset_of_the_vehicle_must_leave_room_at_the_ends():
+    model = TrackModel(
+        with_values(TrackParameters(), {"window.vehicle_offset": 20.0, "rail.mode_count": 60})
+    )
+    with pytest.raises(TrackError, match=r"takes at most.*reduce window\.vehicle_offset"):
+        model.initial_state(_motion([0.0, -2.5, -17.8, -20.3]))
 
 
 def test_motion_must_be_finite():

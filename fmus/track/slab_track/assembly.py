@@ -254,11 +254,10 @@ def _end_damping(parameters: TrackParameters) -> np.ndarray:
 def moving_share(wave_number: np.ndarray, width: float) -> np.ndarray:
     """Return the share s of each wave's compliance that moves with inertia, (N,).
 
-    It falls smoothly from 1 to 0 over the last part ``width`` (0 to 1) of the wave numbers
-    and just beyond; 1 for all with ``width`` 0.
+    It falls smoothly from 1 to 0 over the last part ``width`` (0 to 1) of the wave numbers;
+    1 for all with ``width`` 0.
     """
     if width == 0.0:
         return np.ones_like(wave_number)
-    last = wave_number[-1] + (wave_number[-1] - wave_number[-3]) / 2.0
-    t = np.clip((wave_number / last - (1.0 - width)) / width, 0.0, 1.0)
+    t = np.clip((wave_number / wave_number[-1] - (1.0 - width)) / width, 0.0, 1.0)
     return np.cos(0.5 * np.pi * t) ** 4

@@ -72,6 +72,8 @@ class TrackState(NamedTuple):
         Each wheelset's equilibrium height above the datum, (wheelsets,), m.
     internal_step
         Length of the last internal step, s.
+    places
+        Places of the wheelsets in the window at the start, (wheelsets,), m.
     """
 
     time: float
@@ -87,6 +89,7 @@ class TrackState(NamedTuple):
     datum: float
     static_heights: np.ndarray
     internal_step: float
+    places: np.ndarray
 
     @property
     def normal_force(self) -> np.ndarray:
@@ -235,6 +238,7 @@ class TrackModel:
             datum=float(np.mean(heights)),
             static_heights=heights - np.mean(heights),
             internal_step=p.integration.maximum_step,
+            places=motion[:, 0] - start,
         )
         state.rails[:, 0] = rails.lateral
         return self.with_motion(state, motion)
@@ -323,7 +327,7 @@ class TrackModel:
         path = history.path(state.time + internal * np.arange(1, substeps + 1))
         state = self._follow(state, path[:, :, 0])
         offsets = self._offsets(path[:, :, 0])
-        positions = path[:, :, 0] - state.window_start
+        positions = self._in_window(state, path[:, :, 0])
         path[:, :, 2] += state.datum
         symmetric = _copy(state.symmetric, internal / state.internal_step)
         antisymmetric = _copy(state.antisymmetric, internal / state.internal_step)
@@ -394,6 +398,12 @@ class TrackModel:
             rail_roll=rail[..., 2],
         )
 
+    def _in_window(self, state: TrackState, x: np.ndarray) -> np.ndarray:
+        """Return where wheelsets at ``x`` (steps, wheelsets) on the line stand in the window, m."""
+        if self.parameters.window.method == "moving_irregularity":
+            return np.ascontiguousarray(np.broadcast_to(state.places, x.shape))
+        return x - state.window_start
+
     def _follow(self, state: TrackState, x: np.ndarray) -> TrackState:
         """Slide the window until the wheels keep their margins; check that they do."""
         p = self.parameters
@@ -401,6 +411,8 @@ class TrackModel:
             target = place_window(p, x[-1])
             while target > state.window_start + 0.5 * p.pitch:
                 state = self._slide_once(state)
+        if p.window.method == "moving_irregularity":
+            return state
         check_margins(p, state.window_start, state.time, x)
         return state
 

@@ -117,7 +117,7 @@ class Rail(ParameterSet):
         choices=("full", "vertical"),
     )
     mode_count: int = quantity(
-        600,
+        256,
         "1",
         "Number of wave numbers of the rail's modal series, two branches each",
         symbol="N_V",
@@ -130,7 +130,7 @@ class Rail(ParameterSet):
         "Add the static compliance of the rail modes left out, at fasteners and wheels",
     )
     passage_width: float = quantity(
-        0.5,
+        0.15,
         "1",
         "Last part of the vertical wave numbers over which the modes pass smoothly into their "
         "static compliance; 0: they end at once. Needs rail.residual_compliance",
@@ -273,14 +273,24 @@ class Window(ParameterSet):
         "1",
         "sliding: the window follows the vehicle; cyclic: so it does, and its ends are joined "
         "to a ring, so that nothing is cut off; moving_mass: it stays, and the run ends before "
-        "a wheel comes too near to its end",
-        choices=("sliding", "cyclic", "moving_mass"),
+        "a wheel comes too near to its end; moving_irregularity: the vehicle stays on the middle "
+        "of the window and the irregularity runs past it",
+        choices=("sliding", "cyclic", "moving_mass", "moving_irregularity"),
+    )
+    vehicle_offset: float = quantity(
+        0.0,
+        "m",
+        "Shift of the vehicle in a window that follows it, from the middle towards the front end; "
+        "it moves the slides' instants",
+        at_least=-50.0,
+        at_most=50.0,
     )
     end_damping: float = quantity(
         100e3,
         "N.s/m",
-        "Vertical damping added to the fasteners at the ends of a window that follows the vehicle, "
-        "falling to nothing well before the wheels, so that waves do not come back; 0: none",
+        "Vertical damping added to the fasteners at the ends of the window, falling to nothing "
+        "well before the wheels, so that waves do not come back; 0: none. Without effect with "
+        "window.method = moving_mass, whose wheels come near to the ends",
         at_least=0.0,
     )
     slide_solver: str = quantity(
@@ -381,9 +391,10 @@ class TrackParameters(ParameterSet):
 
         It ends 2 m before the wheels of the article's vehicle at the worst instant.
         """
-        if not self.moves or self.window.end_damping == 0.0:
+        if self.window.method == "moving_mass" or self.window.end_damping == 0.0:
             return 0.0
         room = 0.5 * (self.window_length - self.pitch - WHEELSET_PLACES[self.wheelset_count - 1])
+        room -= abs(self.window.vehicle_offset)
         return max(0.0, min(0.27 * self.window_length, room - 2.0))
 
     @property

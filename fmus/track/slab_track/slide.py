@@ -23,12 +23,17 @@ class SlideOperator(NamedTuple):
     ----------
     deflection, rotation
         New wave amplitudes from old ones, both of shape (N, N).
+    before, after
+        Shapes of the deflection at points of the common part of the old and the new window,
+        (N, points), in the old and in the new window.
     ring
         True if slabs and fasteners that leave at the rear come back at the front.
     """
 
     deflection: np.ndarray
     rotation: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
     ring: bool
 
     def rows(self, values: np.ndarray, count: int) -> np.ndarray:
@@ -53,22 +58,30 @@ def slide_operator(
     """Compute the operator for a slide by ``shift`` metres.
 
     ``solver`` is "least_squares", eq. (11), or "triangular": the LU factors of the
-    square eq. (10), as the article's Fig. 5(a).
+    square eq. (10), as the article's Fig. 5(a). A ring needs neither.
     """
+    common = np.linspace(shift, length, max(2, round((length - shift) / (0.05 * shift))))
+    before, after = rail.waves.shapes(common), rail.waves.shapes(common - shift)
     if rail.waves.ring:
         turn = _rotation(rail.wave_number, shift)
-        return SlideOperator(deflection=turn, rotation=turn, ring=True)
+        return SlideOperator(turn, turn, before, after, ring=True)
     points = sample_points(length, sample_count)
     inside = (points + shift <= length)[:, None]
 
-    def matrix(shape) -> np.ndarray:
-        phi = shape(np.outer(points, rail.wave_number))
-        target = np.where(inside, shape(np.outer(points + shift, rail.wave_number)), 0.0)
+    def matrix(shapes) -> np.ndarray:
+        phi = shapes(points).T
+        target = np.where(inside, shapes(points + shift).T, 0.0)
         if solver == "triangular":
             return scipy.linalg.solve(phi, target)
         return _least_squares(phi, target)
 
-    return SlideOperator(deflection=matrix(np.sin), rotation=matrix(np.cos), ring=False)
+    return SlideOperator(
+        deflection=matrix(rail.waves.shapes),
+        rotation=matrix(rail.waves.rotation_shapes),
+        before=before,
+        after=after,
+        ring=False,
+    )
 
 
 def _rotation(wave_number: np.ndarray, shift: float) -> np.ndarray:
@@ -93,16 +106,15 @@ def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 
 def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
-    """Move modal coordinates (2, N) of the rail by one pitch.
+    """Move modal coordinates (..., 2, N) of the rail by one pitch.
 
     The branches combine to wave amplitudes of deflection and rotation, these
     slide, and separate again. The two participation vectors are orthogonal, so
     the way back is a projection.
     """
-    z = np.sum(rail.deflection * coordinates, axis=0)
-    psi = np.sum(rail.rotation * coordinates, axis=0)
-    z, psi = operator.deflection @ z, operator.rotation @ psi
+    z = np.sum(rail.deflection * coordinates, axis=-2) @ operator.deflection.T
+    psi = np.sum(rail.rotation * coordinates, axis=-2) @ operator.rotation.T
     # Rows of (deflection, rotation) scaled to an orthogonal 2x2 matrix per wave number.
-    norm_z = np.sum(rail.deflection**2, axis=0)
-    norm_psi = np.sum(rail.rotation**2, axis=0)
-    return rail.deflection / norm_z * z + rail.rotation / norm_psi * psi
+    back_z = rail.deflection / np.sum(rail.deflection**2, axis=0)
+    back_psi = rail.rotation / np.sum(rail.rotation**2, axis=0)
+    return back_z * z[..., None, :] + back_psi * psi[..., None, :]

@@ -18,9 +18,10 @@ END_MARGIN = 3.0
 def place_window(p: TrackParameters, positions: np.ndarray) -> float:
     """Return the window's start for wheelsets at ``positions`` (wheelsets,), m.
 
-    Slabs lie at whole multiples of the pitch on the line. The wheels are as far
-    from both ends as they can be at the worst instant between two slides; with
-    ``moving_mass`` they start 15 m from the rear end or a pitch more.
+    Slabs lie at whole multiples of the pitch on the line. In a window that follows them the
+    wheels are as far from both ends as they can be at the worst instant between two slides, but
+    for ``window.vehicle_offset``. With ``moving_irregularity`` they stand in the middle, with
+    ``moving_mass`` 15 m from the rear end or a pitch more.
 
     Raises
     ------
@@ -29,14 +30,17 @@ def place_window(p: TrackParameters, positions: np.ndarray) -> float:
     """
     rear, front = float(np.min(positions)), float(np.max(positions))
     spare = p.window_length - (front - rear) - p.pitch
-    if spare < 2.0 * END_MARGIN:
+    offset = p.window.vehicle_offset if p.moves else 0.0
+    if spare < 2.0 * (END_MARGIN + abs(offset)):
+        longest = p.window_length - p.pitch - 2.0 * (END_MARGIN + abs(offset))
         raise TrackError(
             f"the wheelsets stand {front - rear:g} m apart, but a window of "
-            f"{p.window_length:g} m takes at most "
-            f"{p.window_length - p.pitch - 2.0 * END_MARGIN:g} m; "
-            "raise window.slab_count"
+            f"{p.window_length:g} m takes at most {longest:g} m; raise window.slab_count"
+            + (" or reduce window.vehicle_offset" if offset else "")
         )
-    margin = 0.5 * spare if p.moves else min(0.5 * spare, 15.0)
+    if p.window.method == "moving_irregularity":
+        return float(np.rint((rear - 0.5 * (spare + p.pitch)) / p.pitch) * p.pitch)
+    margin = 0.5 * spare + offset if p.moves else min(0.5 * spare, 15.0)
     return float(np.floor((rear - margin) / p.pitch) * p.pitch)
 
 
@@ -60,39 +64,34 @@ def slide_fields(
     Displacement, velocity and acceleration move alike; slabs, fastener forces and
     residual compressions move by whole rows.
     """
+    seats = track.seat_count
+    old = np.stack([state.symmetric.rail, state.antisymmetric.rail])
+    new = slide_rail(track.rail, operator, old)
     changes: dict[str, Any] = {
-        name: _slide_field(track, operator, getattr(state, name))
-        for name in ("symmetric", "antisymmetric")
+        name: FieldState(
+            rail=rail,
+            slab=np.ascontiguousarray(operator.rows(field.slab.swapaxes(0, 1), 1).swapaxes(0, 1)),
+            residual=np.ascontiguousarray(operator.rows(field.residual.T, seats).T),
+        )
+        for name, field, rail in (
+            ("symmetric", state.symmetric, new[0]),
+            ("antisymmetric", state.antisymmetric, new[1]),
+        )
     }
     rails = np.empty_like(state.rails)
-    for side, derivative in np.ndindex(2, 3):
-        old = state.rails[side, derivative]
-        rails[side, derivative, :2] = slide_rail(lateral.bending, operator, old[:2])
-        rails[side, derivative, 2] = operator.deflection @ old[2]
+    rails[:, :, :2] = slide_rail(lateral.bending, operator, state.rails[:, :, :2])
+    rails[:, :, 2] = state.rails[:, :, 2] @ operator.deflection.T
     changes["rails"] = rails
-    changes["fastener_force"] = operator.rows(state.fastener_force, track.seat_count)
-    old = [state.symmetric.rail[0], state.antisymmetric.rail[0]]
-    new = [changes["symmetric"].rail[0], changes["antisymmetric"].rail[0]]
-    return changes, _residual(track, old, new)
+    changes["fastener_force"] = operator.rows(state.fastener_force, seats)
+    return changes, _residual(track, operator, old[:, 0], new[:, 0])
 
 
-def _slide_field(track: LinearTrack, operator: SlideOperator, field: FieldState) -> FieldState:
-    return FieldState(
-        rail=np.array([slide_rail(track.rail, operator, level) for level in field.rail]),
-        slab=np.array([operator.rows(level, 1) for level in field.slab]),
-        residual=np.ascontiguousarray(operator.rows(field.residual.T, track.seat_count).T),
-    )
-
-
-def _residual(track: LinearTrack, old: list[np.ndarray], new: list[np.ndarray]) -> float:
+def _residual(
+    track: LinearTrack, operator: SlideOperator, old: np.ndarray, new: np.ndarray
+) -> float:
     """Largest change of either rail's deflection over the common part of the windows."""
-    pitch = track.length / track.slab_count
-    points = np.arange(pitch, track.length, 0.5 * track.length / track.fastener_count)
-    before, after = track.wave_shapes(points), track.wave_shapes(points - pitch)
-    weight = track.rail.deflection
-    jumps = [
-        np.sum(weight * b, axis=0) @ after - np.sum(weight * a, axis=0) @ before
-        for a, b in zip(old, new, strict=True)
-    ]
-    rails = np.sqrt(0.5) * np.array([jumps[0] - jumps[1], jumps[0] + jumps[1]])
+    weight = track.participation
+    jump = np.sum(weight * new, axis=1) @ operator.after
+    jump -= np.sum(weight * old, axis=1) @ operator.before
+    rails = np.sqrt(0.5) * np.array([jump[0] - jump[1], jump[0] + jump[1]])
     return float(np.max(np.abs(rails)))

@@ -1,0 +1,228 @@
+"""The slide: fields it must carry, disturbance of the wheels, many slides, the rail joint."""
+
+import numpy as np
+import pytest
+from pair import WholeVehicle, run_staggered
+from rail_vehicle import VehicleModel, VehicleParameters
+from slab_track import HD, TrackError, TrackModel, TrackParameters
+from slab_track.contact import ContactParameters
+from slab_track.irregularity import IrregularityParameters
+from slab_track.irregularity.parameters import RailJointParameters
+from slab_track.parameters import Fastener, Rail, Slab, Window
+from slab_track.slide import slide_operator, slide_rail
+from slab_track.statics import static_coordinates
+
+VERTICAL = ContactParameters(model="vertical")
+LOAD = HD.static_wheel_load
+
+
+@pytest.mark.parametrize("samples", [270, 320, 1024])
+def test_a_smooth_local_field_moves_exactly(samples):
+    """A packet of waves around the 115th, some metres long: exact but for rounding."""
+    model = TrackModel(HD)
+    rail, length, pitch = model.linear.rail, HD.window_length, HD.pitch
+    operator = slide_operator(
+        rail, length=length, shift=pitch, sample_count=samples, solver="least_squares"
+    )
+    k, place = np.arange(1, 257), 33.0
+    packet = np.exp(-0.5 * ((k - 115) / 14.0) ** 2)
+    q, expected = np.zeros((2, 256)), np.zeros((2, 256))
+    q[0] = packet * np.sin(rail.wave_number * place) / rail.deflection[0]
+    expected[0] = packet * np.sin(rail.wave_number * (place - pitch)) / rail.deflection[0]
+    moved = slide_rail(rail, operator, q)
+    np.testing.assert_allclose(
+        rail.deflection * moved, rail.deflection * expected, rtol=0, atol=1e-12
+    )
+
+
+def _statics_error(parameters):
+    """Largest difference of moved statics from statics computed in the moved window."""
+    model = TrackModel(parameters)
+    row = np.zeros((4, 11))
+    row[:, 0] = model.default_positions()
+    state = model.initial_state(row)
+    state = model.with_motion(state, row)
+    places = row[:, 0] - state.window_start
+    moved = model._slide_once(state)
+    force = np.sqrt(2.0) * np.full(4, LOAD)
+    there = static_coordinates(model.linear, places - parameters.pitch, force, 0)
+    here = static_coordinates(model.linear, places, force, 0)
+    weight, points = model.linear.participation, np.linspace(0.0, HD.window_length, 300)
+
+    def shape(q):
+        return np.sum(weight * q, axis=0) @ model.linear.wave_shapes(points)
+
+    start = here.rail - state.symmetric.rail[0]
+    assert np.max(np.abs(start)) < 1e-6 * np.max(np.abs(here.rail))
+    field = np.max(np.abs(shape(moved.symmetric.rail[0]) - shape(there.rail)))
+    fasteners = np.max(np.abs(moved.fastener_force[:, 0] - there.fastener))
+    residual = np.max(np.abs(moved.symmetric.residual[0] - there.residual))
+    return field / np.max(shape(there.rail)), fasteners / LOAD, residual, moved.slide_residual
+
+
+def test_statics_moved_are_statics_computed():
+    parameters = TrackParameters(contact=VERTICAL)
+    field, fasteners, residual, told = _statics_error(parameters)
+    assert field < 2e-5
+    assert fasteners < 1e-5
+    assert residual < 3e-9  # m
+    assert told < 2e-8  # m, of a deflection of 0.7 mm
+    # A series that ends at once leaves a ripple that is cut off.
+    sharp = parameters.replace(rail=Rail(passage_width=0.0))
+    assert _statics_error(sharp)[0] > 5.0 * field
+
+
+def _run(speed_kmh, distance, *, window=None, fastener=None, model="vertical", **more):
+    speed = speed_kmh / 3.6
+    track = TrackModel(
+        TrackParameters(
+            contact=ContactParameters(model=model),
+            window=window or Window(),
+            fastener=fastener or Fastener(),
+            **more,
+        )
+    )
+    vehicle = WholeVehicle(VehicleModel(VehicleParameters(speed=speed)))
+    return run_staggered(track, vehicle, distance=distance, speed=speed, step=1e-4)
+
+
+def _disturbance(speed_kmh, distance, **more):
+    """Largest difference between two runs that slide at different places, N."""
+    early, late = (
+        _run(speed_kmh, distance, window=Window(vehicle_offset=offset), **more)
+        for offset in (0.0, 2.516)
+    )
+    assert early.slide_count[-1] >= 2
+    assert np.any(early.slide_count != late.slide_count)
+    return np.max(np.abs(early.normal_force - late.normal_force))
+
+
+@pytest.mark.parametrize("model", ["vertical", "profiles"])
+def test_slides_are_not_felt_at_300_km_h(model):
+    assert _disturbance(300.0, 15.0, model=model) < 1e-4 * LOAD
+
+
+def test_slides_of_plain_modes_are_felt():
+    """The article's numerical settings: half a per cent of the load."""
+    plain = Rail(mode_count=200, residual_compliance=False)
+    assert 5e-4 * LOAD < _disturbance(300.0, 15.0, rail=plain) < 2e-2 * LOAD
+
+
+HARD = Fastener(vertical_stiffness=200e6, vertical_damping=10e3)
+
+
+@pytest.mark.parametrize("distance", [20.0, pytest.param(150.0, marks=pytest.mark.slow)])
+def test_slides_near_the_resonance_with_lift_off(distance):
+    """Hard, hardly damped pads at 180 km/h: wheels lift off, waves run far."""
+    assert _disturbance(180.0, distance, fastener=HARD) < 1e-3 * LOAD
+
+
+def _moving_force(slides, method):
+    """States (energy-like norms) after each pitch under a constant force that moves on."""
+    parameters = TrackParameters(
+        rail=Rail(mode_count=200),
+        slab=Slab(mode_count=12),
+        window=Window(slab_count=8, method=method),
+        interface="applied_force",
+        wheelset_count=1,
+        static_wheel_load=0.0,
+    )
+    model, steps, dt = TrackModel(parameters), 200, 2e-4
+    speed = parameters.pitch / (steps * dt)
+    row = np.zeros((1, 11))
+    row[0, 5] = speed
+    state = model.initial_state(row)
+    load = np.zeros((1, 2, 3))
+    load[0] = [[5e3, 7e4, 1e3], [-5e3, 7e4, -1e3]]
+    norms = []
+    for n in range(slides * steps):
+        row[0, 0] = speed * n * dt
+        ramp = min(1.0, n / 100.0)
+        state, out = model.step(state, row, dt, applied_force=ramp * load)
+        if (n + 1) % steps == 0:
+            field = state.symmetric
+            energy = np.sum(
+                field.rail[1] ** 2 + model.linear.rail.omega_squared * field.rail[0] ** 2
+            )
+            norms.append([energy, *out.rail_deflection[0], *out.rail_roll[0]])
+    assert state.slide_count >= slides - 1
+    return np.array(norms)
+
+
+@pytest.mark.parametrize(("method", "tolerance"), [("sliding", 1e-6), ("cyclic", 2e-4)])
+def test_fifty_slides_change_nothing(method, tolerance):
+    """Under a constant moving force all is periodic in the pitch: no drift, no growth.
+
+    On a ring the waves of the start, some with nodes at all fasteners, go round for longer.
+    """
+    norms = _moving_force(50, method)
+    np.testing.assert_allclose(norms[-1], norms[20], rtol=tolerance)
+
+
+@pytest.mark.slow
+def test_two_thousand_slides_change_nothing():
+    norms = _moving_force(2000, "sliding")
+    np.testing.assert_allclose(norms[-1], norms[20], rtol=1e-6)
+
+
+def _joint_at_a_slide(distance, method, slabs, modes):
+    """Fig. 6: the leading wheelset meets the joint when the window of 13 slabs slides."""
+    start = 20.3 + 0.5 * (12 * HD.pitch - 20.3)
+    place = start + np.ceil((8.0 - start) / HD.pitch) * HD.pitch
+    joint = RailJointParameters(side="both", position=float(place))
+    return _run(
+        300.0,
+        distance,
+        window=Window(slab_count=slabs, method=method),
+        rail=Rail(mode_count=modes),
+        irregularity=IrregularityParameters(rail_joint=joint),
+    )
+
+
+def test_rail_joint_at_the_slide_is_that_of_the_moving_mass():
+    slide = _joint_at_a_slide(14.0, "sliding", 13, 256)
+    mass = _joint_at_a_slide(14.0, "moving_mass", 26, 512)
+    assert np.max(mass.normal_force) > 150e3
+    assert np.max(slide.normal_force) == pytest.approx(np.max(mass.normal_force), rel=1e-4)
+
+
+@pytest.mark.slow
+def test_whole_history_behind_a_joint_in_a_longer_window():
+    """Waves of 1.1 kHz pass the fasteners at their nodes; they come back from the ends."""
+    mass = _joint_at_a_slide(30.0, "moving_mass", 51, 1004).normal_force
+    for slabs, modes, limit in ((13, 256, 2.5e-3), (17, 335, 6e-4)):
+        slide = _joint_at_a_slide(30.0, "sliding", slabs, modes).normal_force
+        assert np.max(np.abs(slide - mass)) < limit * LOAD
+
+
+def test_moving_irregularity_does_not_travel_over_sleepers():
+    """Smooth rail: nothing happens. A joint: it passes where it is on the line."""
+    smooth = _run(300.0, 6.0, window=Window(method="moving_irregularity"))
+    assert np.max(np.abs(smooth.normal_force - LOAD)) < 0.05 * LOAD
+    assert np.ptp(smooth.normal_force[-100:]) < 1e-3 * LOAD
+    assert smooth.slide_count[-1] == 0
+    joint = IrregularityParameters(rail_joint=RailJointParameters(side="both", position=3.0))
+    run = _run(300.0, 6.0, window=Window(method="moving_irregularity"), irregularity=joint)
+    hit = run.position[np.argmax(run.normal_force[:, 0, 0]), 0]
+    assert hit == pytest.approx(3.0, abs=0.3)
+    assert np.max(run.normal_force[:, 0]) > 150e3
+
+
+def test_moving_irregularity_runs_on_where_a_moving_mass_must_stop():
+    row = np.zeros((1, 11))
+    for method in ("moving_mass", "moving_irregularity"):
+        p = TrackParameters(
+            wheelset_count=1,
+            rail=Rail(mode_count=60),
+            slab=Slab(mode_count=12),
+            window=Window(slab_count=8, method=method),
+        )
+        model = TrackModel(p)
+        row[0, 0] = 0.0
+        state = model.initial_state(row)
+        row[0, 0] = 100.0
+        if method == "moving_mass":
+            with pytest.raises(TrackError, match=r"method = moving_mass.*sliding for a long run"):
+                model.step(state, row, 1e-4)
+        else:
+            model.step(state, row, 1e-4)
