@@ -25,6 +25,8 @@ __all__ = ["STUDIES", "StudyOptions", "StudyResult", "run_study", "study"]
 STUDIES = {
     "critical-speed": "speed above which a lateral offset no longer dies out",
     "contact-geometry": "contact of wheel and rail over the wheelset's lateral displacement",
+    "slide": "disturbance of the wheel forces by the slides, over the ways of sliding",
+    "fig06": "Fig. 6: rail joint at the instant of a slide, sliding window and moving mass",
     "receptance": "receptance of the rail heads from 2 Hz to 2 kHz",
     "p2": "P2 resonance over pad stiffness: the article's formula and coupled eigenfrequencies",
     "fig10": "Fig. 10: shape of the coupled P2 mode",

@@ -1,0 +1,49 @@
+"""Figures of the studies of the sliding window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import xarray as xr
+
+from rail_cosim.studies.plots import _BLUE, _DPI, _GRID, _RED, _figure
+
+
+def plot_slide(dataset: xr.Dataset, path: Path) -> None:
+    """Draw the difference of the wheel forces over the way, a curve for each way of sliding."""
+    figure = _figure(8.4, 4.6)
+    axis = figure.subplots()
+    way = dataset["distance"].to_numpy()
+    for name in dataset["variant"].to_numpy():
+        values = dataset["difference"].sel(variant=name).to_numpy()
+        axis.semilogy(way, values.clip(1e-4), lw=0.9, label=str(name))
+    load = dataset.attrs["static_wheel_load"]
+    axis.axhline(1e-4 * load, color="0.3", ls="--", lw=0.8, label="0.01 % of the load")
+    axis.set_xlabel("way (m)")
+    axis.set_ylabel("largest difference of a wheel force (N)")
+    axis.grid(**_GRID)
+    axis.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8)
+    figure.savefig(path, dpi=_DPI)
+
+
+def plot_joint(dataset: xr.Dataset, path: Path) -> None:
+    """Draw the leading wheel's force over the way, and how far the models are apart."""
+    figure = _figure(8.4, 6.0)
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    way = dataset["distance"].to_numpy()
+    for name, colour in (("moving_mass", _RED), ("sliding", _BLUE)):
+        values = dataset["leading_force"].sel(model=name).to_numpy() / 1e3
+        upper.plot(way, values, color=colour, lw=1.0, label=name.replace("_", " "))
+    upper.set_ylabel("normal force, leading wheel (kN)")
+    upper.legend(frameon=False)
+    for name in dataset["model"].to_numpy():
+        if name != "moving_mass":
+            difference = dataset["difference"].sel(model=name).to_numpy()
+            label = str(name).replace("_", " ")
+            lower.semilogy(way, difference.clip(1e-3), lw=0.9, label=label)
+    lower.set_xlabel("way of the leading wheelset (m)")
+    lower.set_ylabel("largest difference of any wheel\nfrom the moving mass (N)")
+    lower.legend(frameon=False)
+    for axis in (upper, lower):
+        axis.grid(**_GRID)
+    figure.savefig(path, dpi=_DPI)
