@@ -80,11 +80,11 @@ def disturbance(name: str, options: StudyOptions, reporter: Reporter) -> tuple[x
         )
         for offset in (0.0, _OFFSET)
     ]
-    force = [one["normal_force"] for one in runs]
-    difference = np.abs(force[0] - force[1]).max(("wheelset", "side"))
+    force = [one["normal_force"].to_numpy() for one in runs]
+    difference = np.abs(force[0] - force[1]).max(axis=(1, 2))
     way = runs[0]["distance"].to_numpy()
-    load = float(force[0].isel(time=0).mean())
-    return xr.DataArray(difference.to_numpy(), dims="distance", coords={"distance": way}), load
+    load = float(force[0][0].mean())
+    return xr.DataArray(difference, dims="distance", coords={"distance": way}), load
 
 
 def as_dataset(found: dict[str, xr.DataArray], load: float, options: StudyOptions) -> xr.Dataset:
