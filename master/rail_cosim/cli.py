@@ -293,7 +293,7 @@ def sweep(
 def study(
     name: Annotated[
         str,
-        typer.Argument(help="critical-speed, contact-geometry, receptance, p2 or fig10."),
+        typer.Argument(help="critical-speed, contact-geometry, slide, fig06, receptance, p2 or fig10."),
     ],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
@@ -317,6 +317,12 @@ def study(
 
     contact-geometry: rolling-radius difference, contact angle and contact points
     of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
+
+    slide: how much a wheel force changes with the place of the slides, for several
+    ways of sliding; passes below 0.01 % of the static load at 300 km/h.
+
+    fig06: rail joint at the instant of a slide, sliding window and ring against a
+    moving mass in a long window.
 
     receptance: motion of the rail heads per unit harmonic force, vertical and
     lateral, between fasteners and over one, from 2 Hz to 2 kHz.

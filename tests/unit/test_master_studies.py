@@ -148,7 +148,7 @@ def test_the_speed_cannot_be_set_in_a_study_of_speeds(tmp_path):
 
 
 def test_an_unknown_study_is_refused_with_all_there_are(tmp_path):
-    message = r"did you mean critical-speed\? \(there are critical-speed, contact-geometry\)"
+    message = rf"did you mean critical-speed\? \(there are {', '.join(STUDIES)}\)"
     with pytest.raises(UnknownNameError, match=message):
         run_study("critical-sped", StudyOptions(out=tmp_path), Silent())
 
