@@ -126,7 +126,7 @@ def build(
 def run(
     line: Annotated[
         str | None,
-        typer.Option(help="Line: HD, ZX. A parameter set of the track FMU.", metavar="NAME"),
+        typer.Option(help="Line: HD, ZX, paper. A parameter set of the track FMU.", metavar="NAME"),
     ] = None,
     vehicle: Annotated[
         str | None,
@@ -291,10 +291,7 @@ def sweep(
 
 @app.command()
 def study(
-    name: Annotated[
-        str,
-        typer.Argument(help="critical-speed, contact-geometry, slide, fig06, receptance, p2 or fig10."),
-    ],
+    name: Annotated[str, typer.Argument(help="critical-speed, table3, ... (see below).")],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
         "."
@@ -332,9 +329,16 @@ def study(
 
     fig10: shape of that mode, for nominal and for winter fasteners.
 
+    fig08, fig09, fig11, fig12, fig13, fig14, fig15, table3: the article's figure
+    or table, with its own settings and with the converged defaults, and what its
+    text says of it as checks. All runs are kept in the folder points: after a
+    stop the same command goes on where it was.
+
     For example:
 
       rail-cosim study critical-speed --out studies --set vehicle.yaw_damper.damping=0
+
+      rail-cosim study table3 --quick --out studies
 
       rail-cosim study contact-geometry --set track.contact.rail_profile=60E1
 

@@ -13,7 +13,7 @@ from rail_cosim.sweeps import PointResult, Store, SweepSpecification, read_speci
 from rail_cosim.sweeps.assembly import assemble
 from rail_cosim.sweeps.cluster import worker_count
 from rail_cosim.sweeps.plan import FmuFile, Plan, Task
-from rail_cosim.sweeps.quantities import evaluate, last_slab
+from rail_cosim.sweeps.quantities import evaluate, histories, last_slab
 
 STIFFNESS = "track.fastener.vertical_stiffness"
 FILE = """
@@ -96,10 +96,6 @@ REFUSED = {
         r"keep\.normal_force = 'maximum': .*max",
     ),
     "unknown entry": ("[grid]\nspeed = [1]\n[history]\nall = 3", r"history\.all"),
-    "histories over steps": (
-        "[grid]\nmacro_step = [1e-4, 2e-4]\n[history]\nvariables = ['normal_force']",
-        "same points of time",
-    ),
 }
 
 
@@ -165,6 +161,15 @@ def test_lift_off_is_the_time_without_force():
     expected = [np.sum(force[:, wheel] <= 0.0) * STEP for wheel in (0, 1)]
     assert 0.0 < expected[0] < expected[1]
     assert found["normal_force_lift_off_time"].to_numpy()[:, 0] == pytest.approx(expected)
+
+
+def test_histories_are_records_with_their_time():
+    run = made_run()
+    found = histories(run, ["normal_force"], 7)
+    assert found["normal_force_history"].dims == ("record", "wheelset", "side")
+    np.testing.assert_array_equal(found["normal_force_history"], run["normal_force"][::7])
+    np.testing.assert_array_equal(found["time_history"], run["time"][::7])
+    assert found["time_history"].dims == ("record",)
 
 
 def test_a_run_shorter_than_a_slab_gives_its_second_half():
@@ -288,6 +293,18 @@ def test_a_point_that_breaks_the_worker_is_reported_but_not_kept(tmp_path, clien
     assert len(times(tmp_path)) == 4
     again = run_plan(plan, Store(tmp_path), Notes(), scheduler=client, evaluate=stand_in)
     assert again[5].error == ""
+
+
+def test_histories_of_different_length_end_in_nothing():
+    plan = dataclasses.replace(
+        made_plan(),
+        specification=SweepSpecification(grid={"speed": [1, 2]}),
+        about={"speed": ("km/h", "speed")},
+    )
+    histories = [xr.Dataset({"force_history": ("record", np.arange(1.0, n))}) for n in (4, 6)]
+    data = assemble(plan, [PointResult(data=one) for one in histories])
+    expected = [[1, 2, 3, np.nan, np.nan], [1, 2, 3, 4, 5]]
+    np.testing.assert_array_equal(data["force_history"], expected)
 
 
 def test_single_points_are_coordinates_of_one_dimension():

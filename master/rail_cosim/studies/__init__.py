@@ -30,6 +30,14 @@ STUDIES = {
     "receptance": "receptance of the rail heads from 2 Hz to 2 kHz",
     "p2": "P2 resonance over pad stiffness: the article's formula and coupled eigenfrequencies",
     "fig10": "Fig. 10: shape of the coupled P2 mode",
+    "fig11": "axle-box acceleration over speed for several pad stiffnesses",
+    "fig13": "wheel lift-off at the resonance; influence of the pad damping",
+    "fig14": "influence of the unsprung mass",
+    "fig15": "influence of sleeper bay, axle load and primary damping",
+    "table3": "resonance speed and frequency over the sleeper bay",
+    "fig08": "accelerations of axle box, bogie and car body at 200 km/h",
+    "fig09": "spectra of the axle-box acceleration in winter and summer",
+    "fig12": "axle-box acceleration at 200 km/h with winter pads",
 }
 """What there is, by name; the module of ``some-name`` is ``some_name``."""
 

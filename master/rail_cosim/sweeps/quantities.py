@@ -87,15 +87,21 @@ def evaluate(run: xr.Dataset, keep: Mapping[str, Sequence[str]]) -> xr.Dataset:
 
 
 def histories(run: xr.Dataset, names: Sequence[str], every: int) -> xr.Dataset:
-    """Return each ``every``-th record of some variables.
+    """Return each ``every``-th record of some variables, by number, and their time.
+
+    Not over time: the step is another at each speed (see :mod:`rail_cosim.steady`).
 
     Raises
     ------
     UnknownNameError
         For a variable that the run does not have.
     """
+    if not names:
+        return xr.Dataset()
     found = {f"{name}_history": chosen(run, name, "history") for name in names}
-    return xr.Dataset(found).isel(time=slice(None, None, every)) if names else xr.Dataset()
+    found["time_history"] = run["time"].reset_coords(drop=True)
+    records = xr.Dataset(found).isel(time=slice(None, None, every))
+    return records.drop_vars("time").rename_dims(time="record")
 
 
 def chosen(run: xr.Dataset, name: str, option: str) -> xr.DataArray:

@@ -108,9 +108,6 @@ class SweepSpecification:
                     )
         if self.history_every < 1:
             raise ParameterError("history.every", self.history_every, "must be at least 1")
-        if self.history and {"macro_step", "record_every"} & set(self.axes):
-            limit = "histories need the same points of time in all runs"
-            raise ParameterError("history", list(self.history), limit, "drop this axis")
 
     @property
     def axes(self) -> tuple[str, ...]:

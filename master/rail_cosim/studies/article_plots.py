@@ -1,0 +1,87 @@
+"""Figures of the studies that repeat the article's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+_DPI = 200
+_GRID = {"visible": True, "lw": 0.3, "color": "0.8"}
+_WORDS = {"paper": "article's settings", "converged": "converged"}
+Draw = Callable[[Axes, xr.Dataset], None]
+
+
+def panels(
+    data: xr.Dataset, rows: Sequence[Draw], path: Path, *, title: str, height: float = 3.1
+) -> None:
+    """Draw each row once for each setting, side by side, with common axes in a row.
+
+    Parameters
+    ----------
+    data
+        With the dimension ``setting``.
+    rows
+        Each draws one panel from the data of one setting.
+    path, title
+        Of the picture.
+    height
+        Of a row in inches.
+    """
+    settings = [str(s) for s in data["setting"].to_numpy()]
+    figure = Figure(figsize=(8.4, height * len(rows) + 0.3), layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(len(rows), len(settings), sharex="row", sharey="row", squeeze=False)
+    for row, draw in zip(grid, rows, strict=True):
+        for axes, setting in zip(row, settings, strict=True):
+            draw(axes, data.sel(setting=setting))
+            axes.grid(**_GRID)
+            axes.set_title(_WORDS.get(setting, setting), loc="left", fontsize="medium")
+        for axes in row[1:]:
+            axes.set_ylabel("")
+    for row in grid:
+        handles, labels = row[0].get_legend_handles_labels()
+        if handles:
+            row[-1].legend(handles, labels, frameon=False, fontsize="small")
+    figure.suptitle(title, fontsize="medium", x=0.01, ha="left")
+    figure.savefig(path, dpi=_DPI)
+
+
+def curves(
+    axes: Axes,
+    values: xr.DataArray,
+    along: str,
+    *,
+    labels: Callable[[float], str],
+    marks: Callable[[float], float] | None = None,
+    style: str = ".-",
+) -> None:
+    """Draw a curve over speed for each value of another axis.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    values
+        Over ``speed`` and ``along``.
+    along
+        One curve for each value of it.
+    labels
+        Words for such a value.
+    marks
+        Speed (km/h) to mark for such a value, by a tick from below.
+    """
+    numbers = values[along].to_numpy()
+    colours = colormaps["viridis"](np.linspace(0.0, 0.88, len(numbers)))
+    for number, colour in zip(numbers, colours, strict=True):
+        curve = values.sel({along: number})
+        axes.plot(curve["speed"], curve, style, color=colour, lw=1.2, ms=3, label=labels(number))
+        if marks is not None:
+            axes.axvline(marks(number), ymax=0.06, color=colour, lw=1.6)
+    axes.set_xlabel("speed (km/h)")

@@ -1,0 +1,133 @@
+"""Studies of the article's figures on made-up sweeps: what is asked, checked, drawn and written."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from rail_cosim.errors import RailCosimError
+from rail_cosim.studies import StudyOptions, article, fig11, run_study, table3
+from rail_cosim.studies.article import BAY, STIFFNESS, p2_frequency
+from rail_cosim.sweeps.quantities import STATISTICS
+
+STEP = 5.032 / (200 / 3.6) / 900
+PNG = b"\x89PNG"
+
+
+class Quietly:
+    def stage(self, text):
+        pass
+
+    def progress(self, done, planned):
+        pass
+
+    def notice(self, text):
+        pass
+
+
+def made(specification, *, error="", resonance=None):
+    """Results of a sweep in which the acceleration has its peak at the speed of Table 3."""
+    axes = {name: np.array(values) for name, values in specification.grid.items()}
+    shape = (*specification.shape, 4, 2)
+    dims = (*axes, "wheelset", "side")
+    base = xr.DataArray(np.ones(shape), dims=dims, coords=axes)
+    speed = xr.DataArray(axes["speed"].astype(float), dims="speed", coords={"speed": axes["speed"]})
+    at = resonance(base) if resonance else 200.0
+    peak = base * 10.0 / (1.0 + ((speed - at) / 30.0) ** 2)
+    data = xr.Dataset()
+    for variable, statistics in specification.keep.items():
+        for statistic in statistics:
+            assert statistic in STATISTICS
+            data[f"{variable}_{statistic}"] = (peak * 7e3 + 7e4) if "force" in variable else peak
+    time = STEP * np.arange(3601)
+    for variable in specification.history:
+        wave = 5.0 * np.sin(2 * np.pi * 200 / 3.6 / 0.629 * time)
+        histories = np.broadcast_to(wave, (*specification.shape, len(time)))
+        data[f"{variable}_history"] = ((*axes, "record"), histories)
+        data["time_history"] = ((*axes, "record"), np.broadcast_to(time, histories.shape))
+    data["steady"] = (tuple(axes), np.ones(specification.shape))
+    texts = np.full(specification.shape, error, dtype=object)
+    return data.assign(error=(tuple(axes), texts), remarks=(tuple(axes), np.full_like(texts, "")))
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Replace the sweeps; return what was asked of them."""
+    seen = []
+
+    def execute(specification, **options):
+        seen.append((specification, options))
+        return made(specification, **execute.more)
+
+    execute.more = {}
+    monkeypatch.setattr(article, "execute_sweep", execute)
+    seen.append(execute)
+    return seen
+
+
+NAMES = ["fig08", "fig11", "fig12", "fig13", "fig14", "fig15", "table3", "fig09"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_study_writes_data_with_its_checks_and_a_picture(name, asked, tmp_path):
+    options = StudyOptions(out=tmp_path, quick=True, settings=["track.rail.area=8e-3"])
+    result = run_study(name, options, Quietly())
+    specification, more = asked[1]
+    assert list(specification.grid["line"]) == ["paper", "HD"]
+    assert specification.settings["track.contact.model"] == "vertical"
+    assert specification.settings["track.rail.area"] == "8e-3"
+    assert more["store"] == tmp_path / "points"
+    assert [path.name for path in result.files] == [f"{name}.nc", f"{name}.png"]
+    assert result.files[1].read_bytes().startswith(PNG)
+    with xr.open_dataset(result.files[0], engine="h5netcdf") as data:
+        assert data["setting"].to_numpy().tolist() == ["paper", "converged"]
+        checks = json.loads(data.attrs["checks"])
+    assert result.table.row_count == len(checks)
+    for check in checks:
+        assert set(check["passed"]) == {"paper", "converged"}
+    assert "statements hold with the paper settings" in result.conclusion
+
+
+def test_table_3_passes_where_the_speeds_are_the_stated_ones_and_not_elsewhere(asked, tmp_path):
+    def resonance(data):
+        bays = xr.DataArray(list(table3.STATED), dims=BAY, coords={BAY: list(table3.STATED)})
+        stated = bays * 0 + [speed for speed, _ in table3.STATED.values()]
+        shift = xr.DataArray([0.0, 5.0], dims="line", coords={"line": data["line"]})
+        return stated + shift
+
+    asked[0].more = {"resonance": resonance}
+    result = run_study("table3", StudyOptions(out=tmp_path), Quietly())
+    assert result.conclusion.startswith(
+        "18 of 18 statements hold with the paper settings; 0 of 18 statements hold"
+    )
+
+
+def test_a_failed_point_ends_the_study(asked, tmp_path):
+    asked[0].more = {"error": "the wheel broke"}
+    with pytest.raises(RailCosimError, match=r"points of the study failed.*the wheel broke"):
+        run_study("fig11", StudyOptions(out=tmp_path, quick=True), Quietly())
+    assert not (tmp_path / "fig11.png").exists()
+
+
+def test_the_resonance_frequency_is_that_of_the_article():
+    """Its text: 51.4 and 83.1 Hz, which its formula gives with a bay of 0.60 m."""
+    assert p2_frequency(40e6, bay=0.60) == pytest.approx(51.4, abs=0.06)
+    assert p2_frequency(140e6, bay=0.60) == pytest.approx(83.1, abs=0.06)
+    assert fig11.resonance(140e6) == pytest.approx(3.6 * 81.62 * 0.629, rel=1e-3)
+
+
+def test_rising_and_falling():
+    assert article.rises([1.0, 2.0, 3.0]) == 1.0
+    assert article.rises([1.0, 1.0, 3.0]) == 0.0
+    assert article.falls([3.0, 3.0, 1.0]) == 1.0
+    assert article.falls([3.0, 3.0]) == 0.0
+    assert article.falls([3.0, 4.0, 1.0]) == 0.0
+
+
+def test_quick_is_coarser_and_the_given_settings_win(asked, tmp_path):
+    for quick in (False, True):
+        run_study("fig11", StudyOptions(out=tmp_path, quick=quick), Quietly())
+    (whole, _), (coarse, _) = asked[1:]
+    assert len(coarse.grid["speed"]) < len(whole.grid["speed"])
+    assert set(coarse.grid[STIFFNESS]) <= set(whole.grid[STIFFNESS])
+    assert whole.run["macro_step"] < coarse.run["macro_step"]
