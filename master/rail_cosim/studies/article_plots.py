@@ -47,7 +47,7 @@ def panels(
             axes.set_ylabel("")
     for row in grid:
         handles, labels = row[0].get_legend_handles_labels()
-        if handles:
+        if len(handles) > 1:
             row[-1].legend(handles, labels, frameon=False, fontsize="small")
     figure.suptitle(title, fontsize="medium", x=0.01, ha="left")
     figure.savefig(path, dpi=_DPI)
