@@ -21,9 +21,9 @@ PHASES = 256
 
 
 def kernel_table(weights: np.ndarray, fastener_count: int, *, ring: bool = False) -> np.ndarray:
-    """Tabulate K for the weights of the waves, shape (PHASES + 3, period in bays).
+    """Tabulate K for the weights of the waves, shape (PHASES + 4, period in bays).
 
-    Row 1 + j, column o holds K((o + j/PHASES) l_0); one row before and two after are
+    Row 1 + j, column o holds K((j/PHASES - o) l_0); one row before and three after are
     added for the interpolation. The period is 2P, and P on a ring, whose weights are
     those of the constant, the first cosine, the first sine, and so on.
     """
@@ -37,10 +37,8 @@ def kernel_table(weights: np.ndarray, fastener_count: int, *, ring: bool = False
     spectrum[first : coefficients.size + first] = coefficients
     # irfft gives (1/points) (c_0 + 2 sum c_k cos) for real coefficients.
     values = np.fft.irfft(spectrum, points) * ((0.5 if ring else 0.25) * points)
-    table = values.reshape(period, PHASES).T
-    before = np.roll(table[-1], 1)
-    after = np.roll(table[:2], -1, axis=1)
-    return np.ascontiguousarray(np.vstack([before[None], table, after]))
+    row, column = np.arange(-1, PHASES + 3), np.arange(period)
+    return values[(row[:, None] - PHASES * column) % points]
 
 
 @numba.njit(cache=True)
@@ -55,32 +53,41 @@ def _weights(fraction):
     )
 
 
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _add_line(table, fraction, first, sign, out):
+    """Add the kernel at a fraction of a bay, in neighbouring columns from ``first`` on."""
+    phase = fraction * PHASES
+    row = int(phase)
+    w0, w1, w2, w3 = _weights(phase - row)
+    last = first + out.size
+    t0, t1 = table[row, first:last], table[row + 1, first:last]
+    t2, t3 = table[row + 2, first:last], table[row + 3, first:last]
+    w0, w1, w2, w3 = sign * w0, sign * w1, sign * w2, sign * w3
+    for i in range(out.size):
+        out[i] += w0 * t0[i] + w1 * t1[i] + w2 * t2[i] + w3 * t3[i]
+
+
 @numba.njit(cache=True)
 def to_fasteners(table, position, out):
     """Fill ``out`` (P,) with the response at all fasteners to a force at ``position``.
 
     ``position`` is in fastener bays from the window's start.
     """
-    count = out.size
+    count, period = out.size, table.shape[1]
     place = position + 0.5
     bay = int(np.floor(place))
-    phase = (place - bay) * PHASES
-    row = int(phase)
-    w0, w1, w2, w3 = _weights(phase - row)
-    period = table.shape[1]
-    line = np.empty(period)
-    for column in range(period):
-        line[column] = (
-            w0 * table[row, column]
-            + w1 * table[row + 1, column]
-            + w2 * table[row + 2, column]
-            + w3 * table[row + 3, column]
-        )
-    image = period > count
-    for i in range(count):
-        out[i] = line[(bay - i - 1) % period]
-        if image:
-            out[i] -= line[(bay + i) % period]
+    fraction = place - bay
+    if bay == 0 and period == count:
+        bay = count
+    out[:] = 0.0
+    # Fastener i is fraction - (i + 1 - bay) bays back.
+    behind = min(max(bay - 1, 0), count)
+    _add_line(table, fraction, period - behind, 1.0, out[:behind])
+    _add_line(table, fraction, behind + 1 - bay, 1.0, out[behind:])
+    if period > count:  # K is even: K(fraction + bay + i) = K(1 - fraction - (bay + i + 1)).
+        before = min(period - bay - 1, count)
+        _add_line(table, 1.0 - fraction, bay + 1, -1.0, out[:before])
+        _add_line(table, 1.0 - fraction, 0, -1.0, out[before:])
 
 
 @numba.njit(cache=True)
@@ -98,7 +105,7 @@ def _kernel(table, distance):
     phase = (distance - bay) * PHASES
     row = int(phase)
     w0, w1, w2, w3 = _weights(phase - row)
-    column = bay % table.shape[1]
+    column = (-bay) % table.shape[1]
     return (
         w0 * table[row, column]
         + w1 * table[row + 1, column]

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
+from slab_track.oscillators import FAST, add_force, fold, step_undamped, unfold
 from slab_track.parameters import TrackParameters
 from slab_track.rail import RailModes, timoshenko_modes
 from slab_track.waves import fastener_shapes, fold_table, waves
@@ -111,8 +112,12 @@ class LateralOperator(NamedTuple):
 
     Attributes
     ----------
-    omega_squared, weight, amplitude
-        Of the three branches (bending, shear, torsion), shape (3, N).
+    softening
+        alpha omega^2 of the three branches (bending, shear, torsion), shape (3N,).
+    weight, amplitude
+        alpha, and displacement per unit coordinate phi, shape (3, N).
+    drive
+        alpha phi, shape (3, N).
     response
         Displacement amplitude per unit wave force: lateral, roll; h^2/4 beta, shape (2, N).
     solve
@@ -124,9 +129,10 @@ class LateralOperator(NamedTuple):
         part, over the place between two fasteners, shape (PHASES + 3, 3).
     """
 
-    omega_squared: np.ndarray
+    softening: np.ndarray
     weight: np.ndarray
     amplitude: np.ndarray
+    drive: np.ndarray
     response: np.ndarray
     solve: np.ndarray
     gain: np.ndarray
@@ -161,10 +167,12 @@ def _operator(
     amplitude = np.vstack([track.bending.deflection, track.torsion_amplitude])
     share = amplitude**2 * weight
     response = scale * np.stack([share[0] + share[1], share[2]])
+    omega_squared = np.vstack([track.bending.omega_squared, track.torsion_omega_squared])
     return LateralOperator(
-        omega_squared=np.vstack([track.bending.omega_squared, track.torsion_omega_squared]),
+        softening=(weight * omega_squared).ravel(),
         weight=weight,
         amplitude=amplitude,
+        drive=weight * amplitude,
         response=response,
         solve=_fastener_inverse(track, response, gain),
         gain=gain,
@@ -290,93 +298,110 @@ def solve_fasteners(operator, extension):
 @numba.njit(cache=True)
 def _fastener_wave_force(operator, force):
     """Wave force and moment that the fasteners take from the rail, shape (2, N)."""
-    wave = np.empty((2, operator.fold_index.size))
-    for k in range(wave.shape[1]):
-        row = operator.fold_index[k]
-        share = operator.fold_sign[k] * operator.class_weight[row]
-        wave[0, k] = share * force[0, row]
-        wave[1, k] = share * (force[1, row] - operator.foot * force[0, row])
+    wave, taken = np.empty((2, operator.fold_index.size)), np.empty_like(force)
+    for i in range(force.shape[1]):
+        taken[0, i] = operator.class_weight[i] * force[0, i]
+        taken[1, i] = operator.class_weight[i] * (force[1, i] - operator.foot * force[0, i])
+    unfold(operator.fold_index, operator.fold_sign, taken[0], wave[0])
+    unfold(operator.fold_index, operator.fold_sign, taken[1], wave[1])
     return wave
 
 
-@numba.njit(cache=True)
-def free_rail(operator, state, step):
-    """Advance the coordinates (3, 3, N) of a rail without any force, in place.
+class FreeRail(NamedTuple):
+    """A step of one rail without wheel forces.
 
-    Returns the folded forces that held fasteners would have, shape (2, P).
+    Attributes
+    ----------
+    fastener
+        Lateral force and moment of the fasteners, folded, (2, P).
+    motion
+        Displacement, roll and their rates under the wheels, (w, 4).
     """
-    q, v, a = state[0], state[1], state[2]
-    extension = np.zeros((2, operator.class_weight.size))
+
+    fastener: np.ndarray
+    motion: np.ndarray
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _waves(operator, coordinates, displacement, roll):
+    """Fill the wave amplitudes of displacement and roll, (N,) each, from coordinates (3N,)."""
+    count = displacement.size
+    bending, shear, torsion = operator.amplitude[0], operator.amplitude[1], operator.amplitude[2]
+    lower, upper = coordinates[:count], coordinates[count : 2 * count]
+    for k in range(count):
+        displacement[k] = bending[k] * lower[k] + shear[k] * upper[k]
+    angle = coordinates[2 * count :]
+    for k in range(count):
+        roll[k] = torsion[k] * angle[k]
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _hold(waves, response, taken, rate):
+    """Take the answer to wave forces (N,) from displacement and rate (N,), in place."""
+    displacement, velocity = waves[0], waves[1]
+    for k in range(taken.size):
+        displacement[k] -= response[k] * taken[k]
+    for k in range(taken.size):
+        velocity[k] -= rate * (response[k] * taken[k])
+
+
+@numba.njit(cache=True)
+def free_rail(operator, old, shapes, step, new):
+    """Step a rail (3, 3, N) with fasteners but without wheel forces.
+
+    Writes the coordinates, free of all forces yet, to ``new``, which may be ``old``; returns a
+    :class:`FreeRail`.
+    """
+    step_undamped(old.reshape(3, -1), operator.softening, step, new.reshape(3, -1))
+    # Displacement and its rate, roll and its rate.
+    waves = np.empty((4, shapes.shape[1]))
+    for rate in range(2):
+        _waves(operator, new[rate].ravel(), waves[rate], waves[2 + rate])
+    folded = np.empty((4, operator.class_weight.size))
+    for i in range(4):
+        fold(operator.fold_index, operator.fold_sign, waves[i], folded[i])
     stiffness, damping, foot = operator.stiffness, operator.damping, operator.foot
-    quarter, half = 0.25 * step * step, 0.5 * step
-    for k in range(q.shape[1]):
-        for branch in range(3):
-            q_new = q[branch, k] + step * v[branch, k] + quarter * a[branch, k]
-            v_new = v[branch, k] + half * a[branch, k]
-            a_new = -operator.weight[branch, k] * operator.omega_squared[branch, k] * q_new
-            q[branch, k] = q_new + quarter * a_new
-            v[branch, k] = v_new + half * a_new
-            a[branch, k] = a_new
-        y, roll, v_y, v_roll = _amplitudes(operator, q, v, k)
-        row, sign = operator.fold_index[k], operator.fold_sign[k]
-        extension[0, row] += sign * (
-            stiffness[0] * (y - foot * roll) + damping[0] * (v_y - foot * v_roll)
+    extension = np.empty((2, folded.shape[1]))
+    for i in range(folded.shape[1]):
+        extension[0, i] = stiffness[0] * (folded[0, i] - foot * folded[2, i]) + damping[0] * (
+            folded[1, i] - foot * folded[3, i]
         )
-        extension[1, row] += sign * (stiffness[1] * roll + damping[1] * v_roll)
-    return extension
+        extension[1, i] = stiffness[1] * folded[2, i] + damping[1] * folded[3, i]
+    fastener = solve_fasteners(operator, extension)
+    taken = _fastener_wave_force(operator, fastener)
+    for direction in range(2):
+        _hold(
+            waves[2 * direction : 2 * direction + 2],
+            operator.response[direction],
+            taken[direction],
+            2.0 / step,
+        )
+    motion = shapes @ waves.T
+    ordered = np.empty_like(motion)
+    for wheel in range(motion.shape[0]):
+        ordered[wheel, 0], ordered[wheel, 1] = motion[wheel, 0], motion[wheel, 2]
+        ordered[wheel, 2], ordered[wheel, 3] = motion[wheel, 1], motion[wheel, 3]
+    return FreeRail(fastener, ordered)
 
 
 @numba.njit(cache=True)
-def _amplitudes(operator, q, v, k):
-    """Wave amplitudes of displacement, roll and their rates."""
-    a0, a1, a2 = operator.amplitude[0, k], operator.amplitude[1, k], operator.amplitude[2, k]
-    return a0 * q[0, k] + a1 * q[1, k], a2 * q[2, k], a0 * v[0, k] + a1 * v[1, k], a2 * v[2, k]
-
-
-@numba.njit(cache=True)
-def motion_at_wheels(operator, state, extension, shapes, step):
-    """Return y, roll and rates under the wheels without wheel forces, shape (wheels, 4)."""
-    taken = _fastener_wave_force(operator, solve_fasteners(operator, extension))
-    rate = 2.0 / step
-    wave = np.empty((4, shapes.shape[1]))
-    for k in range(shapes.shape[1]):
-        y, roll, v_y, v_roll = _amplitudes(operator, state[0], state[1], k)
-        held_y = operator.response[0, k] * taken[0, k]
-        held_roll = operator.response[1, k] * taken[1, k]
-        wave[0, k], wave[1, k] = y - held_y, roll - held_roll
-        wave[2, k], wave[3, k] = v_y - rate * held_y, v_roll - rate * held_roll
-    return shapes @ wave.T
-
-
-@numba.njit(cache=True)
-def close_rail(operator, state, extension, shapes, forces, step):
-    """Add wheel forces and moments (wheels, 2) and fastener forces, in place.
-
-    Returns the folded fastener forces, shape (2, P).
-    """
+def close_rail(operator, free, shapes, forces, step, new):
+    """Add wheel forces and moments (wheels, 2) and fastener forces to a free step, in place."""
     load = forces.T @ shapes
-    total = extension.copy()
-    for k in range(load.shape[1]):
-        y = operator.response[0, k] * load[0, k]
-        roll = operator.response[1, k] * load[1, k]
-        row, sign = operator.fold_index[k], operator.fold_sign[k]
-        total[0, row] += sign * operator.gain[0] * (y - operator.foot * roll)
-        total[1, row] += sign * operator.gain[1] * roll
-    fasteners = solve_fasteners(operator, total)
-    taken = _fastener_wave_force(operator, fasteners)
-    quarter, half = 0.25 * step * step, 0.5 * step
-    for k in range(load.shape[1]):
-        for branch in range(3):
-            direction = 1 if branch == 2 else 0
-            a = (
-                operator.weight[branch, k]
-                * operator.amplitude[branch, k]
-                * (load[direction, k] - taken[direction, k])
-            )
-            state[0, branch, k] += quarter * a
-            state[1, branch, k] += half * a
-            state[2, branch, k] += a
-    return fasteners
+    count = load.shape[1]
+    answer = operator.response * load
+    folded = np.empty((2, operator.class_weight.size))
+    for direction in range(2):
+        fold(operator.fold_index, operator.fold_sign, answer[direction], folded[direction])
+    for i in range(folded.shape[1]):
+        roll = folded[1, i]
+        folded[0, i] = operator.gain[0] * (folded[0, i] - operator.foot * roll)
+        folded[1, i] = operator.gain[1] * roll
+    load -= _fastener_wave_force(operator, free.fastener + solve_fasteners(operator, folded))
+    rail = new.reshape(3, -1)
+    for branch in range(3):
+        force = load[1] if branch == 2 else load[0]
+        add_force(rail, branch * count, operator.drive[branch], force, step)
 
 
 @numba.njit(cache=True)

@@ -32,7 +32,17 @@ from slab_track.lateral import LateralTrack, assemble_lateral, lateral_operator
 from slab_track.motion import MOTION, MotionHistory
 from slab_track.parameters import WHEELSET_PLACES, TrackParameters
 from slab_track.slide import SlideOperator, slide_operator
-from slab_track.stepping import APPLIED, PROFILES, VERTICAL, TrackOperator, WheelState, advance
+from slab_track.stepping import (
+    APPLIED,
+    PROFILES,
+    VERTICAL,
+    Fields,
+    OperatorBox,
+    TrackOperator,
+    WheelState,
+    advance,
+    box,
+)
 from slab_track.vertical import FieldState, step_operator
 from slab_track.window import END_MARGIN, check_margins, place_window, slide_fields
 
@@ -154,8 +164,8 @@ class TrackModel:
         self._lateral_motion = p.rail.motion == "full"
         self._operator = functools.lru_cache(maxsize=8)(self._make_operator)
 
-    def _make_operator(self, step: float) -> TrackOperator:
-        return TrackOperator(
+    def _make_operator(self, step: float) -> OperatorBox:
+        operator = TrackOperator(
             symmetric=step_operator(self.linear, step, SYMMETRIC),
             antisymmetric=step_operator(self.linear, step, ANTISYMMETRIC),
             lateral=lateral_operator(self.lateral, step),
@@ -166,6 +176,7 @@ class TrackModel:
             half_distance=self.half_distance,
             step=step,
         )
+        return box(operator)
 
     @functools.cached_property
     def slide(self) -> SlideOperator:
@@ -329,15 +340,15 @@ class TrackModel:
         offsets = self._offsets(path[:, :, 0])
         positions = self._in_window(state, path[:, :, 0])
         path[:, :, 2] += state.datum
-        symmetric = _copy(state.symmetric, internal / state.internal_step)
-        antisymmetric = _copy(state.antisymmetric, internal / state.internal_step)
-        rails = state.rails.copy()
+        old = Fields(state.symmetric, state.antisymmetric, state.rails)
+        if internal != state.internal_step:
+            old = _restep(old, internal / state.internal_step)
+        new = Fields(_room(old.symmetric), _room(old.antisymmetric), np.empty_like(old.rails))
         wheels = WheelState(*(array.copy() for array in state.wheels))
         made, fasteners = advance(
             self._operator(internal),
-            symmetric,
-            antisymmetric,
-            rails,
+            old,
+            new,
             positions,
             path,
             offsets,
@@ -350,12 +361,12 @@ class TrackModel:
             )
         state = state._replace(
             time=end,
-            symmetric=symmetric,
-            antisymmetric=antisymmetric,
-            rails=rails,
+            symmetric=new.symmetric,
+            antisymmetric=new.antisymmetric,
+            rails=new.rails,
             history=history,
             wheels=wheels,
-            fastener_force=fasteners,
+            fastener_force=np.ascontiguousarray(fasteners.T),
             internal_step=internal,
         )
         return state, self.outputs(state)
@@ -426,12 +437,18 @@ class TrackModel:
         )
 
 
-def _copy(field: FieldState, step_ratio: float) -> FieldState:
-    """Copy a field; the earlier residual is moved to the distance of the new internal step."""
-    now, before = field.residual
-    if step_ratio != 1.0:
-        before = now + step_ratio * (before - now)
-    return FieldState(field.rail.copy(), field.slab.copy(), np.array([now, before]))
+def _room(field: FieldState) -> FieldState:
+    return FieldState(*(np.empty_like(array) for array in field))
+
+
+def _restep(fields: Fields, step_ratio: float) -> Fields:
+    """Move the earlier residual to the distance of the new internal step."""
+
+    def moved(field: FieldState) -> FieldState:
+        now, before = field.residual
+        return field._replace(residual=np.array([now, now + step_ratio * (before - now)]))
+
+    return Fields(moved(fields.symmetric), moved(fields.antisymmetric), fields.rails)
 
 
 __all__ = ["END_MARGIN", "TrackModel", "TrackOutputs", "TrackState"]

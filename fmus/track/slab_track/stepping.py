@@ -4,22 +4,13 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
+from numba.experimental import structref
 
 from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import ContactTables
 from slab_track.contact.wheelset import FORCED, LOCATED
-from slab_track.lateral import (
-    LateralOperator,
-    close_rail,
-    free_rail,
-    motion_at_wheels,
-    wheel_compliance,
-)
-from slab_track.vertical import (
-    StepOperator,
-    close_class_step,
-    free_class_step,
-)
+from slab_track.lateral import LateralOperator, close_rail, free_rail, wheel_compliance
+from slab_track.vertical import FieldState, StepOperator, close_class_step, free_class_step, wheel_coupling
 from slab_track.wheels import contact_forces, rail_motion, solve_wheel
 
 _SQRT_HALF = np.sqrt(0.5)
@@ -104,35 +95,134 @@ class WheelState(NamedTuple):
         )
 
 
+@structref.register
+class _BoxType(numba.types.StructRef):
+    """Numba's type of :class:`OperatorBox`."""
+
+
+class OperatorBox(structref.StructRefProxy):
+    """A :class:`TrackOperator` that compiled code takes as one reference.
+
+    A call with a named tuple reads all of its arrays anew, some 10 us for these.
+    """
+
+    def __new__(cls, operator: TrackOperator) -> "OperatorBox":
+        """Put an operator into a box."""
+        return structref.StructRefProxy.__new__(cls, operator)
+
+
+structref.define_proxy(OperatorBox, _BoxType, ["operator"])
+
+
 @numba.njit(cache=True)
+def box(operator):
+    """Return the :class:`OperatorBox` of a :class:`TrackOperator`."""
+    return OperatorBox(operator)
+
+
+_LANES = 8
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
 def wheel_shapes(wave_number, positions):
     """Return the waves' shapes at every wheel, shape (wheels, N), by recurrence in k.
 
-    The first wave number is 0 on a ring, which has cosines and sines in turn.
+    The first wave number is 0 on a ring, which has cosines and sines in turn. Eight rows
+    ahead the angle has grown by a constant, so :math:`f_{k+8} = 2 f_k\\cos - f_{k-8}`.
     """
-    shapes = np.empty((positions.size, wave_number.size))
-    if wave_number[0] == 0.0:
-        for wheel in range(positions.size):
-            theta = wave_number[1] * positions[wheel]
-            cosine, sine = np.cos(theta), np.sin(theta)
-            c, s = 1.0, 0.0
-            shapes[wheel, 0] = 1.0
-            for row in range(1, wave_number.size, 2):
-                c, s = c * cosine - s * sine, s * cosine + c * sine
-                shapes[wheel, row], shapes[wheel, row + 1] = c, s
-        return shapes
+    count = wave_number.size
+    shapes = np.empty((positions.size, count))
+    first = 1 if wave_number[0] == 0.0 else 0
+    start = min(2 * _LANES + first, count)
     for wheel in range(positions.size):
-        theta = wave_number[0] * positions[wheel]
-        twice = 2.0 * np.cos(theta)
-        previous, current = 0.0, np.sin(theta)
-        for k in range(wave_number.size):
-            shapes[wheel, k] = current
-            previous, current = current, twice * current - previous
+        row, angle = shapes[wheel], wave_number[first] * positions[wheel]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        c, s, twice = cosine, sine, 0.0
+        if first == 1:
+            row[0] = 1.0
+        for k in range(first, start):
+            if first == 0:
+                row[k] = s
+                turn = True
+            else:
+                row[k] = c if k % 2 == 1 else s
+                turn = k % 2 == 0
+            if k - first == _LANES - 1:
+                twice = 2.0 * c
+            if turn:
+                c, s = c * cosine - s * sine, s * cosine + c * sine
+        for k in range(start, count):
+            row[k] = twice * row[k - _LANES] - row[k - 2 * _LANES]
     return shapes
 
 
+class Interaction(NamedTuple):
+    """What the rails under the wheels do without wheel forces, and what these add.
+
+    Attributes
+    ----------
+    free
+        Motion of the axes without wheel forces: y, z, roll and rates, (w, 2, 6).
+    same, cross
+        Vertical deflection under a wheel per unit force under another one on the same rail
+        and on the other rail, (w, w), m/N.
+    compliance, mobility
+        Displacement and rate of the axis under a wheel per unit force (y, z, roll)
+        there, (w, 3, 3).
+    """
+
+    free: np.ndarray
+    same: np.ndarray
+    cross: np.ndarray
+    compliance: np.ndarray
+    mobility: np.ndarray
+
+
 @numba.njit(cache=True)
-def _vertical_contact(operator, path, offsets, same, cross, free, wheels):
+def _interaction(operator, positions, free_s, free_a, motions, moving):
+    """Put both classes and the lateral motions (2, w, 4) together: an :class:`Interaction`."""
+    count = positions.size
+    free = np.zeros((count, 2, 6))
+    same = 0.5 * (free_s.compliance + free_a.compliance)
+    cross = 0.5 * (free_s.compliance - free_a.compliance)
+    compliance, mobility = np.zeros((count, 3, 3)), np.zeros((count, 3, 3))
+    lateral, to_rate = np.empty(3), 2.0 / operator.step
+    for wheel in range(count):
+        for side in range(2):
+            sign = 2.0 * side - 1.0
+            free[wheel, side, 1] = _SQRT_HALF * (
+                free_s.deflection[wheel] + sign * free_a.deflection[wheel]
+            )
+            free[wheel, side, 4] = _SQRT_HALF * (free_s.rate[wheel] + sign * free_a.rate[wheel])
+        own, rate = compliance[wheel], mobility[wheel]
+        own[1, 1] = same[wheel, wheel]
+        rate[1, 1] = 0.5 * (free_s.mobility[wheel, wheel] + free_a.mobility[wheel, wheel])
+        if not moving:
+            continue
+        for side in range(2):
+            free[wheel, side, 0], free[wheel, side, 2] = motions[side, wheel, 0:2]
+            free[wheel, side, 3], free[wheel, side, 5] = motions[side, wheel, 2:4]
+        wheel_compliance(operator.lateral, positions[wheel], lateral)
+        residual = operator.lateral.residual
+        own[0, 0], own[2, 2] = lateral[0] + residual[0], lateral[2] + residual[1]
+        own[0, 2] = own[2, 0] = lateral[1]
+        rate[0, 0], rate[2, 2] = to_rate * lateral[0], to_rate * lateral[2]
+        rate[0, 2] = rate[2, 0] = to_rate * lateral[1]
+    return Interaction(free, same, cross, compliance, mobility)
+
+
+@numba.njit(cache=True)
+def _add_others(at, wheel, side, force, out):
+    """Fill ``out`` (6,) with the axis's motion under the forces (w, 2, 3) of all other wheels."""
+    out[:] = at.free[wheel, side]
+    for other in range(force.shape[0]):
+        if other != wheel:
+            out[1] += at.same[wheel, other] * force[other, side, 1]
+        out[1] += at.cross[wheel, other] * force[other, 1 - side, 1]
+
+
+@numba.njit(cache=True)
+def _vertical_contact(operator, path, offsets, at, wheels):
     """Eq. (1) on a level tread: normal forces of all wheels."""
     b = operator.half_distance
     approach = np.empty((path.shape[0], 2))
@@ -143,10 +233,12 @@ def _vertical_contact(operator, path, offsets, same, cross, free, wheels):
                 path[wheel, 2]
                 + lever * path[wheel, 3]
                 - offsets[wheel, side, 0]
-                - free[wheel, side, 1]
+                - at.free[wheel, side, 1]
             )
     start = wheels.normal[:, :, 0].copy()
-    force, penetration = contact_forces(approach, same, cross, start, operator.hertz_constant)
+    force, penetration = contact_forces(
+        approach, at.same, at.cross, start, operator.hertz_constant
+    )
     wheels.normal[:, :, 0] = force
     wheels.wheelset[:] = 0.0
     for wheel in range(path.shape[0]):
@@ -161,119 +253,134 @@ def _vertical_contact(operator, path, offsets, same, cross, free, wheels):
 
 
 @numba.njit(cache=True)
-def _profile_contact(operator, path, offsets, same, cross, mobility, lateral, free, wheels):
+def _profile_contact(operator, path, offsets, at, wheels):
     """Contact on real profiles: sweeps over all wheels."""
-    count = path.shape[0]
-    row, own = np.empty(11), np.empty(6)
-    offset, wheelset = np.empty(2), np.empty(6)
-    compliance, rate = np.zeros((3, 3)), np.zeros((3, 3))
+    own, offset, wheelset = np.empty(6), np.empty(2), np.empty(6)
     grid = fastsim_grid(operator.contact.columns, operator.contact.strips)
+    coupled = np.max(np.abs(at.cross))
+    good = True
     for _ in range(_SWEEPS):
         worst = 0.0
         wheels.wheelset[:] = 0.0
-        good = True
         # All wheels see the others' forces of the last sweep: no order, so mirror symmetry.
-        others = wheels.rail_force[:, :, 1].copy()
-        for wheel in range(count):
-            row[:] = path[wheel]
+        others = wheels.rail_force.copy()
+        for wheel in range(path.shape[0]):
             for side in range(2):
-                own[:] = free[wheel, side]
-                for other in range(count):
-                    if other != wheel:
-                        own[1] += same[wheel, other] * others[other, side]
-                    own[1] += cross[wheel, other] * others[other, 1 - side]
-                _wheel_matrices(
-                    same[wheel, wheel], mobility[wheel, wheel], lateral[wheel],
-                    operator.lateral.residual, operator.step, operator.lateral_motion,
-                    compliance, rate,
-                )  # fmt: skip
+                _add_others(at, wheel, side, others, own)
                 offset[0], offset[1] = offsets[wheel, side, 1], offsets[wheel, side, 0]
                 good &= solve_wheel(
-                    operator.contact, grid, 2.0 * side - 1.0, row, own, compliance, rate, offset,
+                    operator.contact, grid, 2.0 * side - 1.0, path[wheel], own,
+                    at.compliance[wheel], at.mobility[wheel], offset,
                     wheels.rail_force[wheel, side], wheels.normal[wheel, side],
                     wheels.creep[wheel, side], wheelset, wheels.rail[wheel, side],
                     wheels.located[wheel, side], wheels.forces[wheel, side],
                 )  # fmt: skip
-                wheels.wheelset[wheel] += wheelset
-                worst = max(worst, abs(wheels.rail_force[wheel, side, 1] - others[wheel, side]))
-        if not good or worst * np.max(np.abs(cross)) < _SWEEP_TOLERANCE:
+                for i in range(6):
+                    wheels.wheelset[wheel, i] += wheelset[i]
+                change = wheels.rail_force[wheel, side, 1] - others[wheel, side, 1]
+                worst = max(worst, abs(change))
+        if not good or worst * coupled < _SWEEP_TOLERANCE:
             break
     return good
 
 
 @numba.njit(cache=True)
-def _wheel_matrices(vertical, vertical_rate, lateral, residual, step, moving, compliance, rate):
-    """Fill compliance and mobility of the rail's axis under a wheel, (3, 3): y, z, roll."""
-    compliance[1, 1], rate[1, 1] = vertical, vertical_rate
-    if not moving:
-        return
-    to_rate = 2.0 / step
-    compliance[0, 0], compliance[2, 2] = lateral[0] + residual[0], lateral[2] + residual[1]
-    compliance[0, 2] = compliance[2, 0] = lateral[1]
-    rate[0, 0], rate[2, 2] = to_rate * lateral[0], to_rate * lateral[2]
-    rate[0, 2] = rate[2, 0] = to_rate * lateral[1]
-
-
-@numba.njit(cache=True)
-def _interact(operator, path, offsets, applied, positions, free_s, free_a, free, wheels):
+def _interact(operator, path, offsets, applied, at, wheels):
     """Find the forces on the rails under all wheels; False where there is no solution."""
-    same = 0.5 * (free_s.compliance + free_a.compliance)
-    cross = 0.5 * (free_s.compliance - free_a.compliance)
-    mobility = 0.5 * (free_s.mobility + free_a.mobility)
-    free[:, 0, 1] = _SQRT_HALF * (free_s.deflection - free_a.deflection)
-    free[:, 1, 1] = _SQRT_HALF * (free_s.deflection + free_a.deflection)
-    free[:, 0, 4] = _SQRT_HALF * (free_s.rate - free_a.rate)
-    free[:, 1, 4] = _SQRT_HALF * (free_s.rate + free_a.rate)
     if operator.interface == VERTICAL:
-        return _vertical_contact(operator, path, offsets, same, cross, free, wheels)
-    lateral = np.zeros((positions.size, 3))
-    for wheel in range(positions.size):
-        wheel_compliance(operator.lateral, positions[wheel], lateral[wheel])
+        return _vertical_contact(operator, path, offsets, at, wheels)
     if operator.interface == PROFILES:
-        return _profile_contact(
-            operator, path, offsets, same, cross, mobility, lateral, free, wheels
-        )
+        return _profile_contact(operator, path, offsets, at, wheels)
     wheels.rail_force[:] = applied
     return True
 
 
 @numba.njit(cache=True)
-def _report_rails(operator, positions, free_s, free_a, free, wheels):
+def _report_rails(at, wheels):
     """Motion of the rails under the wheels, all forces of this step included."""
-    same = 0.5 * (free_s.compliance + free_a.compliance)
-    cross = 0.5 * (free_s.compliance - free_a.compliance)
-    mobility = 0.5 * (free_s.mobility + free_a.mobility)
-    compliance, rate, lateral = np.zeros((3, 3)), np.zeros((3, 3)), np.empty(3)
     own = np.empty(6)
-    for wheel in range(positions.size):
-        wheel_compliance(operator.lateral, positions[wheel], lateral)
-        _wheel_matrices(
-            same[wheel, wheel], mobility[wheel, wheel], lateral, operator.lateral.residual,
-            operator.step, operator.lateral_motion, compliance, rate,
-        )  # fmt: skip
+    for wheel in range(wheels.rail.shape[0]):
         for side in range(2):
-            own[:] = free[wheel, side]
-            for other in range(positions.size):
-                if other != wheel:
-                    own[1] += same[wheel, other] * wheels.rail_force[other, side, 1]
-                own[1] += cross[wheel, other] * wheels.rail_force[other, 1 - side, 1]
+            _add_others(at, wheel, side, wheels.rail_force, own)
             rail_motion(
-                own, compliance, rate, wheels.rail_force[wheel, side], wheels.rail[wheel, side]
+                own,
+                at.compliance[wheel],
+                at.mobility[wheel],
+                wheels.rail_force[wheel, side],
+                wheels.rail[wheel, side],
             )
 
 
 @numba.njit(cache=True)
-def advance(operator, state_s, state_a, rails, positions, path, offsets, applied, wheels):
-    """Advance the track through several internal steps, in place.
+def _internal_step(operator, old, new, positions, path, offsets, applied, wheels, report, fasteners):
+    """One internal step of :func:`advance`; False if it failed."""
+    step, count = operator.step, positions.size
+    moving = operator.lateral_motion and operator.interface != VERTICAL
+    shapes = wheel_shapes(operator.symmetric.wave_number, positions)
+    coupling = wheel_coupling(operator.symmetric, positions)
+    free_s = free_class_step(
+        operator.symmetric, old.symmetric, shapes, coupling, step, new.symmetric
+    )
+    free_a = free_class_step(
+        operator.antisymmetric, old.antisymmetric, shapes, coupling, step, new.antisymmetric
+    )
+    motions = np.empty((2, count, 4))
+    if moving:
+        left = free_rail(operator.lateral, old.rails[0], shapes, step, new.rails[0])
+        right = free_rail(operator.lateral, old.rails[1], shapes, step, new.rails[1])
+        motions[0], motions[1] = left.motion, right.motion
+    at = _interaction(operator, positions, free_s, free_a, motions, moving)
+    if not _interact(operator, path, offsets, applied, at, wheels):
+        return False
+    if report:
+        _report_rails(at, wheels)
+    force = wheels.rail_force
+    force_s = _SQRT_HALF * (force[:, 0, 1] + force[:, 1, 1])
+    force_a = _SQRT_HALF * (force[:, 1, 1] - force[:, 0, 1])
+    fasteners[0] = close_class_step(
+        operator.symmetric, old.symmetric, free_s, shapes, coupling, force_s, step, new.symmetric
+    )
+    fasteners[1] = close_class_step(
+        operator.antisymmetric, old.antisymmetric, free_a, shapes, coupling, force_a, step,
+        new.antisymmetric,
+    )  # fmt: skip
+    if moving:
+        load = np.empty((count, 2))
+        load[:, 0], load[:, 1] = force[:, 0, 0], force[:, 0, 2]
+        close_rail(operator.lateral, left, shapes, load, step, new.rails[0])
+        load[:, 0], load[:, 1] = force[:, 1, 0], force[:, 1, 2]
+        close_rail(operator.lateral, right, shapes, load, step, new.rails[1])
+    else:
+        new.rails[:] = old.rails
+    return True
+
+
+class Fields(NamedTuple):
+    """Coordinates of the whole track.
+
+    Attributes
+    ----------
+    symmetric, antisymmetric
+        Vertical coordinates of both classes.
+    rails
+        Lateral and torsional coordinates of both rails, (2, 3, 3, N).
+    """
+
+    symmetric: FieldState
+    antisymmetric: FieldState
+    rails: np.ndarray
+
+
+@numba.njit(cache=True)
+def advance(box, old, new, positions, path, offsets, applied, wheels):
+    """Advance the track through several internal steps.
 
     Parameters
     ----------
-    operator
-        :class:`TrackOperator`.
-    state_s, state_a
-        Vertical states of both classes (:class:`slab_track.vertical.FieldState`).
-    rails
-        Lateral and torsional coordinates of both rails, (2, 3, 3, N).
+    box
+        :class:`OperatorBox`.
+    old, new
+        :class:`Fields` at the start, and those that receive the end.
     positions
         Wheelsets in the window at the end of each internal step, (steps, wheels), m.
     path
@@ -288,47 +395,18 @@ def advance(operator, state_s, state_a, rails, positions, path, offsets, applied
     Returns
     -------
     tuple
-        Number of steps made (less than asked if one failed), and vertical and lateral
-        fastener forces of the last one: (P, 2) symmetric and antisymmetric.
+        Number of steps made (less than asked if one failed), and the vertical fastener
+        forces of the last one: symmetric and antisymmetric class, (2, P).
     """
-    step = operator.step
-    count = positions.shape[1]
-    fasteners = np.zeros((operator.symmetric.sines.shape[0], 2))
-    free = np.zeros((count, 2, 6))
-    moving = operator.lateral_motion and operator.interface != VERTICAL
-    for n in range(positions.shape[0]):
-        x = positions[n]
-        shapes = wheel_shapes(operator.symmetric.wave_number, x)
-        free_s = free_class_step(operator.symmetric, state_s, shapes, x, step)
-        free_a = free_class_step(operator.antisymmetric, state_a, shapes, x, step)
-        extensions = np.zeros((2, 2, fasteners.shape[0]))
-        if moving:
-            for side in range(2):
-                extensions[side] = free_rail(operator.lateral, rails[side], step)
-                motion = motion_at_wheels(
-                    operator.lateral, rails[side], extensions[side], shapes, step
-                )
-                free[:, side, 0], free[:, side, 2] = motion[:, 0], motion[:, 1]
-                free[:, side, 3], free[:, side, 5] = motion[:, 2], motion[:, 3]
-        good = _interact(operator, path[n], offsets[n], applied, x, free_s, free_a, free, wheels)
+    operator = box.operator
+    fasteners = np.zeros((2, operator.symmetric.sines.shape[0]))
+    steps = positions.shape[0]
+    for n in range(steps):
+        good = _internal_step(
+            operator, old, new, positions[n], path[n], offsets[n], applied, wheels,
+            n == steps - 1, fasteners,
+        )  # fmt: skip
         if not good:
             return n, fasteners
-        force_s = _SQRT_HALF * (wheels.rail_force[:, 0, 1] + wheels.rail_force[:, 1, 1])
-        force_a = _SQRT_HALF * (wheels.rail_force[:, 1, 1] - wheels.rail_force[:, 0, 1])
-        fasteners[:, 0] = free_s.fastener + force_s @ free_s.per_wheel
-        fasteners[:, 1] = free_a.fastener + force_a @ free_a.per_wheel
-        close_class_step(
-            operator.symmetric, state_s, shapes, x, step, fasteners[:, 0].copy(), force_s
-        )
-        close_class_step(
-            operator.antisymmetric, state_a, shapes, x, step, fasteners[:, 1].copy(), force_a
-        )
-        if moving:
-            load = np.empty((count, 2))
-            for side in range(2):
-                load[:, 0], load[:, 1] = (
-                    wheels.rail_force[:, side, 0], wheels.rail_force[:, side, 2],
-                )  # fmt: skip
-                close_rail(operator.lateral, rails[side], extensions[side], shapes, load, step)
-        _report_rails(operator, x, free_s, free_a, free, wheels)
-    return positions.shape[0], fasteners
+        old = new
+    return steps, fasteners

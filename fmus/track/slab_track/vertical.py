@@ -2,8 +2,8 @@ r"""Vertical motion of one symmetry class: one internal step by the trapezoidal 
 
 Every modal coordinate is a scalar oscillator
 :math:`\ddot q + c\dot q + \omega^2 q = g`. The trapezoidal rule (Newmark,
-beta = 1/4, gamma = 1/2) is unconditionally stable, of second order, exact in
-statics and conserves the energy of a linear undamped system:
+beta = 1/4, gamma = 1/2; :mod:`slab_track.oscillators`) is unconditionally stable, of second
+order, exact in statics and conserves the energy of a linear undamped system:
 
 .. math:: \tilde q = q + h\dot q + \tfrac{h^2}{4}\ddot q,\quad
           \tilde{\dot q} = \dot q + \tfrac h2\ddot q,\quad
@@ -42,6 +42,15 @@ import numpy as np
 
 from slab_track.assembly import LinearTrack
 from slab_track.kernel import between, kernel_table, to_fasteners
+from slab_track.oscillators import (
+    add_acceleration,
+    add_force,
+    fold,
+    step_damped,
+    step_undamped,
+    unfold,
+    wave_amplitudes,
+)
 
 
 class FieldState(NamedTuple):
@@ -68,10 +77,19 @@ class StepOperator(NamedTuple):
 
     Attributes
     ----------
-    rail_weight, slab_weight
-        alpha of each coordinate, shapes (2, N) and (n,).
-    beta
-        Deflection amplitude per unit modal wave force, shape (N,).
+    rail_softening, rail_participation, rail_drive
+        alpha omega^2, deflection per unit coordinate phi, and alpha phi of both branches,
+        one after the other, shape (2N,).
+    wave_number
+        Of the waves, shape (N,).
+    slab_softening, slab_drag
+        alpha omega^2 and alpha c of the modes of all slabs, shape (S n,).
+    slab_weight
+        alpha of the modes of a slab, shape (n,).
+    seats
+        Shapes at the seats, (n, C).
+    sines, fold_index, fold_sign
+        As in :class:`slab_track.assembly.LinearTrack`.
     solve
         D, shape (P, P).
     residual
@@ -90,13 +108,12 @@ class StepOperator(NamedTuple):
         True if the track closes on itself.
     """
 
-    rail_omega_squared: np.ndarray
-    rail_deflection: np.ndarray
-    rail_weight: np.ndarray
-    beta: np.ndarray
+    rail_softening: np.ndarray
+    rail_participation: np.ndarray
+    rail_drive: np.ndarray
     wave_number: np.ndarray
-    slab_omega_squared: np.ndarray
-    slab_damping: np.ndarray
+    slab_softening: np.ndarray
+    slab_drag: np.ndarray
     slab_weight: np.ndarray
     seats: np.ndarray
     sines: np.ndarray
@@ -129,13 +146,12 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     mu = quarter * track.stiffness + 0.5 * step * dampers
     nu = track.stiffness + 1.5 * dampers / step
     return StepOperator(
-        rail_omega_squared=rail.omega_squared,
-        rail_deflection=track.participation,
-        rail_weight=rail_weight,
-        beta=beta,
+        rail_softening=(rail_weight * rail.omega_squared).ravel(),
+        rail_participation=track.participation.ravel(),
+        rail_drive=(rail_weight * track.participation).ravel(),
         wave_number=rail.wave_number,
-        slab_omega_squared=slab.omega_squared,
-        slab_damping=slab.damping,
+        slab_softening=np.tile(slab_weight * slab.omega_squared, track.slab_count),
+        slab_drag=np.tile(slab_weight * slab.damping, track.slab_count),
         slab_weight=slab_weight,
         seats=slab.seats,
         sines=track.fastener_sines,
@@ -155,47 +171,55 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     )
 
 
-@numba.njit(cache=True)
-def _free_step(state, omega_squared, damping, weight, step):
-    """Advance all coordinates without any force, in place; broadcast over the first axis."""
-    q, v, a = state[0], state[1], state[2]
-    for i in range(q.shape[0]):
-        for j in range(q.shape[1]):
-            row = i if omega_squared.shape[0] > 1 else 0
-            q_free = q[i, j] + step * v[i, j] + 0.25 * step * step * a[i, j]
-            v_free = v[i, j] + 0.5 * step * a[i, j]
-            a_free = -weight[row, j] * (damping[row, j] * v_free + omega_squared[row, j] * q_free)
-            q[i, j] = q_free + 0.25 * step * step * a_free
-            v[i, j] = v_free + 0.5 * step * a_free
-            a[i, j] = a_free
+class WheelCoupling(NamedTuple):
+    """How the wheels, the fasteners and the wheels among themselves are coupled by the rails.
+
+    It is the same in both classes.
+
+    Attributes
+    ----------
+    at_fasteners
+        Deflection at the fasteners per unit wheel force: by the modes Y_w (times h^2/4), by all
+        of them (with the residual R_w), and the residual alone, shape (3, w, P), m/N.
+    clamped
+        Force of held fasteners per unit wheel force, mu Y_w + nu R_w, shape (w, P).
+    modal, total
+        Deflection under the wheels per unit force under another one: by the modes and by
+        all of them, shape (w, w), m/N.
+    """
+
+    at_fasteners: np.ndarray
+    clamped: np.ndarray
+    modal: np.ndarray
+    total: np.ndarray
 
 
 @numba.njit(cache=True)
-def _fastener_extension(operator, rail, slab):
-    """Force the fasteners would have: stiffness and damping on rail minus slab, shape (P,)."""
-    folded = np.zeros((2, operator.sines.shape[0]))
-    deflection = operator.rail_deflection
-    for k in range(operator.beta.size):
-        row, sign = operator.fold_index[k], operator.fold_sign[k]
-        for derivative in range(2):
-            folded[derivative, row] += sign * (
-                deflection[0, k] * rail[derivative, 0, k]
-                + deflection[1, k] * rail[derivative, 1, k]
+def wheel_coupling(operator, positions):
+    """Return the :class:`WheelCoupling` of wheels at ``positions`` (w,), m in the window."""
+    wheels, fasteners = positions.size, operator.sines.shape[0]
+    at_fasteners = np.empty((3, wheels, fasteners))
+    clamped = np.empty((wheels, fasteners))
+    modal, total = np.empty((wheels, wheels)), np.empty((wheels, wheels))
+    ring = operator.ring
+    for wheel in range(wheels):
+        here = positions[wheel] / operator.spacing
+        by_modes, by_all, residual = at_fasteners[0], at_fasteners[1], at_fasteners[2]
+        to_fasteners(operator.response_kernel, here, by_modes[wheel])
+        to_fasteners(operator.residual_kernel, here, residual[wheel])
+        for i in range(fasteners):
+            moving, static = by_modes[wheel, i], residual[wheel, i]
+            by_all[wheel, i] = moving + static
+            clamped[wheel, i] = (
+                operator.modal_gain[i] * moving + operator.residual_gain[i] * static
             )
-    motion = folded @ operator.sines
-    motion[0] -= (slab[0] @ operator.seats).ravel()
-    motion[1] -= (slab[1] @ operator.seats).ravel()
-    return operator.stiffness * motion[0] + operator.damping * motion[1]
-
-
-@numba.njit(cache=True)
-def _unfolded(operator, fastener_force):
-    """Wave forces of the fasteners on the rail with positive sign, shape (N,)."""
-    folded = operator.sines @ fastener_force
-    wave = np.empty(operator.beta.size)
-    for k in range(wave.size):
-        wave[k] = operator.fold_sign[k] * folded[operator.fold_index[k]]
-    return wave
+        for other in range(wheel + 1):
+            there = positions[other] / operator.spacing
+            moving = between(operator.response_kernel, here, there, ring)
+            static = between(operator.residual_kernel, here, there, ring)
+            modal[wheel, other] = modal[other, wheel] = moving
+            total[wheel, other] = total[other, wheel] = moving + static
+    return WheelCoupling(at_fasteners, clamped, modal, total)
 
 
 class FreeStep(NamedTuple):
@@ -204,9 +228,7 @@ class FreeStep(NamedTuple):
     Attributes
     ----------
     fastener
-        Fastener forces, (P,), N.
-    per_wheel
-        Fastener forces per unit wheel force, (w, P).
+        Fastener forces without wheel forces, and per unit force of each wheel, (1 + w, P), N.
     deflection, rate
         Of the rail under the wheels, (w,), m and m/s.
     compliance, mobility
@@ -214,7 +236,6 @@ class FreeStep(NamedTuple):
     """
 
     fastener: np.ndarray
-    per_wheel: np.ndarray
     deflection: np.ndarray
     rate: np.ndarray
     compliance: np.ndarray
@@ -222,84 +243,89 @@ class FreeStep(NamedTuple):
 
 
 @numba.njit(cache=True)
-def _wheel_coupling(operator, positions):
-    """Coupling of the wheels at ``positions`` (w,) with fasteners and with each other.
-
-    Returns the deflection at the fasteners per unit wheel force by the modes and by the
-    residual, (w, P) each, and that under the other wheels, (w, w) each.
-    """
-    wheels, fasteners = positions.size, operator.sines.shape[0]
-    modal, residual = np.empty((wheels, fasteners)), np.empty((wheels, fasteners))
-    direct, stiff = np.empty((wheels, wheels)), np.empty((wheels, wheels))
-    bays = positions / operator.spacing
-    for wheel in range(wheels):
-        to_fasteners(operator.response_kernel, bays[wheel], modal[wheel])
-        to_fasteners(operator.residual_kernel, bays[wheel], residual[wheel])
-        for other in range(wheels):
-            here, there = bays[wheel], bays[other]
-            direct[wheel, other] = between(operator.response_kernel, here, there, operator.ring)
-            stiff[wheel, other] = between(operator.residual_kernel, here, there, operator.ring)
-    return modal, residual, direct, stiff
+def _held_forces(operator, waves, slab, residual):
+    """Force of held fasteners after the free step, with the lag of the residual, (P,)."""
+    count = operator.sines.shape[0]
+    folded = np.empty((2, count))
+    for derivative in range(2):
+        fold(operator.fold_index, operator.fold_sign, waves[derivative], folded[derivative])
+    rail = folded @ operator.sines
+    seats = (slab[:2].reshape(-1, slab.shape[2]) @ operator.seats).reshape(2, count)
+    force = np.empty(count)
+    for i in range(count):
+        force[i] = (
+            operator.stiffness * (rail[0, i] - seats[0, i])
+            + operator.damping[i] * (rail[1, i] - seats[1, i])
+            - operator.lag[i] * (2.0 * residual[0, i] - 0.5 * residual[1, i])
+        )
+    return force
 
 
 @numba.njit(cache=True)
-def free_class_step(operator, field, shapes, positions, step):
+def free_class_step(operator, old, shapes, coupling, step, new):
     """Step one symmetry class with fasteners but without wheel forces.
 
-    Advances the coordinates (free of all forces yet) in place; returns a
-    :class:`FreeStep`.
+    Writes the coordinates, free of all forces yet, to ``new``, which may be ``old``
+    (:class:`FieldState` both); returns a :class:`FreeStep`.
     """
-    rail, slab = field.rail, field.slab
-    no_damping = np.zeros_like(operator.rail_omega_squared)
-    _free_step(rail, operator.rail_omega_squared, no_damping, operator.rail_weight, step)
-    _free_step(
-        slab,
-        operator.slab_omega_squared.reshape(1, -1),
-        operator.slab_damping.reshape(1, -1),
-        operator.slab_weight.reshape(1, -1),
+    wheels, count = coupling.clamped.shape
+    step_undamped(
+        old.rail.reshape(3, -1), operator.rail_softening, step, new.rail.reshape(3, -1)
+    )
+    step_damped(
+        old.slab.reshape(3, -1),
+        operator.slab_softening,
+        operator.slab_drag,
         step,
+        new.slab.reshape(3, -1),
     )
-    modal, residual, direct, stiff = _wheel_coupling(operator, positions)
-    extension = _fastener_extension(operator, rail, slab) - operator.lag * (
-        2.0 * field.residual[0] - 0.5 * field.residual[1]
-    )
-    fastener = operator.solve @ extension
-    clamped = operator.modal_gain * modal + operator.residual_gain * residual
-    per_wheel = clamped @ operator.solve.T
-    both = modal + residual
-    shape = operator.rail_deflection
-    deflection = shapes @ (shape[0] * rail[0, 0] + shape[1] * rail[0, 1]) - both @ fastener
+    waves = np.empty((2, shapes.shape[1]))
+    for derivative in range(2):
+        wave_amplitudes(
+            operator.rail_participation, new.rail[derivative].ravel(), waves[derivative]
+        )
+    held = np.empty((1 + wheels, count))
+    held[0] = _held_forces(operator, waves, new.slab, old.residual)
+    held[1:] = coupling.clamped
+    fastener = held @ operator.solve.T
+    # Rows: modal part under each wheel, then all of it; columns: free, then per wheel force.
+    taken = coupling.at_fasteners[:2].reshape(-1, count) @ fastener.T
+    free = shapes @ waves.T
     to_rate = 2.0 / step
-    rate = shapes @ (shape[0] * rail[1, 0] + shape[1] * rail[1, 1]) - to_rate * (modal @ fastener)
     return FreeStep(
         fastener,
-        per_wheel,
-        deflection,
-        rate,
-        direct + stiff - both @ per_wheel.T,
-        to_rate * (direct - modal @ per_wheel.T),
+        free[:, 0] - taken[wheels:, 0],
+        free[:, 1] - to_rate * taken[:wheels, 0],
+        coupling.total - taken[wheels:, 1:],
+        to_rate * (coupling.modal - taken[:wheels, 1:]),
     )
 
 
 @numba.njit(cache=True)
-def close_class_step(operator, field, shapes, positions, step, fastener, forces):
-    """Add the fastener forces (P,) and wheel forces (w,) to a free step, in place."""
-    rail, slab = field.rail, field.slab
-    quarter, half = 0.25 * step * step, 0.5 * step
-    wave = forces @ shapes - _unfolded(operator, fastener)
-    for branch in range(2):
-        for k in range(wave.size):
-            a = operator.rail_weight[branch, k] * operator.rail_deflection[branch, k] * wave[k]
-            rail[0, branch, k] += quarter * a
-            rail[1, branch, k] += half * a
-            rail[2, branch, k] += a
-    slab_a = (fastener.reshape(slab.shape[1], -1) @ operator.seats.T) * operator.slab_weight
-    slab[0] += quarter * slab_a
-    slab[1] += half * slab_a
-    slab[2] += slab_a
-    field.residual[1] = field.residual[0]
-    field.residual[0] = -(operator.residual @ fastener)
-    at_fasteners = np.empty(fastener.size)
-    for wheel in range(forces.size):
-        to_fasteners(operator.residual_kernel, positions[wheel] / operator.spacing, at_fasteners)
-        field.residual[0] += forces[wheel] * at_fasteners
+def close_class_step(operator, old, free, shapes, coupling, forces, step, new):
+    """Add fastener forces and wheel forces (w,) to a free step, in place.
+
+    Returns the fastener forces, (P,).
+    """
+    wheels, count = coupling.clamped.shape
+    fastener = free.fastener[0].copy()
+    residual = np.zeros(count)
+    for wheel in range(wheels):
+        share, own = free.fastener[1 + wheel], coupling.at_fasteners[2, wheel]
+        for i in range(count):
+            fastener[i] += forces[wheel] * share[i]
+            residual[i] += forces[wheel] * own[i]
+    residual -= operator.residual @ fastener
+    wave = np.empty(shapes.shape[1])
+    unfold(operator.fold_index, operator.fold_sign, operator.sines @ fastener, wave)
+    wave = forces @ shapes - wave
+    rail = new.rail.reshape(3, -1)
+    add_force(rail, 0, operator.rail_drive[: wave.size], wave, step)
+    add_force(rail, wave.size, operator.rail_drive[wave.size :], wave, step)
+    on_slabs = fastener.reshape(new.slab.shape[1], -1) @ operator.seats.T
+    add_acceleration(
+        new.slab.reshape(3, -1), (on_slabs * operator.slab_weight).ravel(), step
+    )
+    new.residual[1] = old.residual[0]
+    new.residual[0] = residual
+    return fastener
