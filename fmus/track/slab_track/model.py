@@ -6,19 +6,14 @@
 """
 
 import functools
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.contact import Steel, build_tables
-from slab_track.contact.wheelset import (
-    ANGLE,
-    LATERAL_FORCE,
-    LONGITUDINAL_FORCE,
-    NORMAL_FORCE,
-    PENETRATION,
-)
+from slab_track.contact.wheelset import NORMAL_FORCE
 from slab_track.equilibrium import (
     contact_at,
     level_contact,
@@ -29,10 +24,11 @@ from slab_track.equilibrium import (
 from slab_track.errors import TrackError
 from slab_track.irregularity import Irregularity
 from slab_track.lateral import LateralTrack, assemble_lateral, lateral_operator
-from slab_track.motion import MOTION, MotionHistory
+from slab_track.motion import MOTION, MotionHistory, finite_reach
 from slab_track.parameters import WHEELSET_PLACES, TrackParameters
 from slab_track.slide import SlideOperator, slide_operator
 from slab_track.stepping import (
+    ANSWERS,
     APPLIED,
     PROFILES,
     VERTICAL,
@@ -41,6 +37,7 @@ from slab_track.stepping import (
     TrackOperator,
     WheelState,
     advance,
+    answer,
     box,
 )
 from slab_track.vertical import FieldState, step_operator
@@ -68,7 +65,7 @@ class TrackState(NamedTuple):
     wheels
         Forces and rail motions at the wheels.
     fastener_force
-        Vertical, (P, 2), N, symmetric and antisymmetric class, compression positive.
+        Vertical, (2, P), N, symmetric and antisymmetric class, compression positive.
     window_start
         Position of the window's rear end on the line, m.
     slide_count
@@ -119,6 +116,8 @@ class TrackOutputs(NamedTuple):
     ----------
     contact
         Contact forces and moments on the wheelsets, shape (wheelsets, 6), N and N.m.
+    answers
+        All of the following, (8, wheelsets, 2), as :func:`slab_track.stepping.answer` gives them.
     normal_force, longitudinal_creep_force, lateral_creep_force
         Sums over the patches of a wheel, N.
     penetration, contact_angle
@@ -128,14 +127,16 @@ class TrackOutputs(NamedTuple):
     """
 
     contact: np.ndarray
-    normal_force: np.ndarray
-    longitudinal_creep_force: np.ndarray
-    lateral_creep_force: np.ndarray
-    penetration: np.ndarray
-    contact_angle: np.ndarray
-    rail_deflection: np.ndarray
-    rail_lateral: np.ndarray
-    rail_roll: np.ndarray
+    answers: np.ndarray
+
+    normal_force = property(lambda self: self.answers[0])
+    longitudinal_creep_force = property(lambda self: self.answers[1])
+    lateral_creep_force = property(lambda self: self.answers[2])
+    penetration = property(lambda self: self.answers[3])
+    contact_angle = property(lambda self: self.answers[4])
+    rail_deflection = property(lambda self: self.answers[5])
+    rail_lateral = property(lambda self: self.answers[6])
+    rail_roll = property(lambda self: self.answers[7])
 
 
 class TrackModel:
@@ -163,6 +164,11 @@ class TrackModel:
             self.interface = APPLIED
         self._lateral_motion = p.rail.motion == "full"
         self._operator = functools.lru_cache(maxsize=8)(self._make_operator)
+        # Looked up at every step.
+        self._longest_step = p.integration.maximum_step
+        self._moves, self._length = p.moves, p.window_length
+        self._slide_middle = 0.5 * (p.window_length + p.pitch)
+        self._no_force = np.zeros((p.wheelset_count, 2, 3))
 
     def _make_operator(self, step: float) -> OperatorBox:
         operator = TrackOperator(
@@ -173,7 +179,9 @@ class TrackModel:
             interface=self.interface,
             lateral_motion=self._lateral_motion,
             hertz_constant=self.parameters.contact.hertz_constant_used,
+            irregularity=self.irregularity.data,
             half_distance=self.half_distance,
+            axis_depth=self.parameters.rail.axis_depth,
             step=step,
         )
         return box(operator)
@@ -242,7 +250,7 @@ class TrackModel:
             rails=np.zeros((2, 3, *rails.lateral.shape[1:])),
             history=MotionHistory.begin(time, motion),
             wheels=WheelState.empty(count)._replace(rail=rails.motion),
-            fastener_force=np.stack([solution.fastener for solution in rails.vertical], axis=1),
+            fastener_force=np.stack([solution.fastener for solution in rails.vertical]),
             window_start=start,
             slide_count=0,
             slide_residual=0.0,
@@ -329,47 +337,51 @@ class TrackModel:
         TrackError
             If a wheel leaves the window or the rail, or the motion is not finite.
         """
-        if not np.all(np.isfinite(motion)):
-            raise TrackError(f"a wheelset motion is not a finite number at t = {state.time:g} s")
         end = state.time + dt
         history = state.history.push(end if at_end else state.time, motion)
-        substeps = max(1, int(np.ceil(dt / self.parameters.integration.maximum_step - 1e-9)))
+        substeps = max(1, math.ceil(dt / self._longest_step - 1e-9))
         internal = dt / substeps
         path = history.path(state.time + internal * np.arange(1, substeps + 1))
-        state = self._follow(state, path[:, :, 0])
-        offsets = self._offsets(path[:, :, 0])
-        positions = self._in_window(state, path[:, :, 0])
-        path[:, :, 2] += state.datum
+        state = self._follow(state, history.motion, path)
         old = Fields(state.symmetric, state.antisymmetric, state.rails)
         if internal != state.internal_step:
             old = _restep(old, internal / state.internal_step)
         new = Fields(_room(old.symmetric), _room(old.antisymmetric), np.empty_like(old.rails))
         wheels = WheelState(*(array.copy() for array in state.wheels))
-        made, fasteners = advance(
+        fasteners = np.empty_like(state.fastener_force)
+        answers = np.empty((ANSWERS, motion.shape[0], 2))
+        made = advance(
             self._operator(internal),
             old,
             new,
-            positions,
+            self._in_window(state, path[:, :, 0]),
+            state.datum,
             path,
-            offsets,
-            self._on_axis(applied_force, motion.shape[0]),
+            self._on_axis(applied_force),
             wheels,
+            fasteners,
+            answers,
         )
         if made < substeps:
             raise TrackError(
                 f"at t = {state.time + made * internal:g} s, {self._where(path, made)}"
             )
-        state = state._replace(
+        state = TrackState(
             time=end,
             symmetric=new.symmetric,
             antisymmetric=new.antisymmetric,
             rails=new.rails,
             history=history,
             wheels=wheels,
-            fastener_force=np.ascontiguousarray(fasteners.T),
+            fastener_force=fasteners,
+            window_start=state.window_start,
+            slide_count=state.slide_count,
+            slide_residual=state.slide_residual,
+            datum=state.datum,
+            static_heights=state.static_heights,
             internal_step=internal,
         )
-        return state, self.outputs(state)
+        return state, TrackOutputs(wheels.wheelset, answers)
 
     def _where(self, path: np.ndarray, step: int) -> str:
         """Say what happened where, for the error after a failed internal step."""
@@ -380,10 +392,10 @@ class TrackModel:
             f"{roll * 1e3:.2f} mrad): {_DERAILED}"
         )
 
-    def _on_axis(self, head: np.ndarray | None, count: int) -> np.ndarray:
+    def _on_axis(self, head: np.ndarray | None) -> np.ndarray:
         """Move forces from the rails' heads to their axes, (wheelsets, 2, 3)."""
         if self.interface != APPLIED:
-            return np.zeros((count, 2, 3))
+            return self._no_force
         if head is None:
             raise TrackError("interface = applied_force needs the forces at the rail heads")
         axis = np.array(head, dtype=float)
@@ -392,22 +404,9 @@ class TrackModel:
 
     def outputs(self, state: TrackState) -> TrackOutputs:
         """Return the contact forces on the wheelsets and what happens at the wheels."""
-        wheels = state.wheels
-        main = np.argmax(wheels.forces[..., NORMAL_FORCE], axis=2)[..., None, None]
-        patch = np.take_along_axis(wheels.located, main, axis=2)[:, :, 0]
-        sums = wheels.forces.sum(axis=2)
-        rail = wheels.rail
-        return TrackOutputs(
-            contact=wheels.wheelset,
-            normal_force=sums[..., NORMAL_FORCE],
-            longitudinal_creep_force=sums[..., LONGITUDINAL_FORCE],
-            lateral_creep_force=sums[..., LATERAL_FORCE],
-            penetration=patch[..., PENETRATION],
-            contact_angle=patch[..., ANGLE],
-            rail_deflection=rail[..., 1],
-            rail_lateral=rail[..., 0] + self.parameters.rail.axis_depth * rail[..., 2],
-            rail_roll=rail[..., 2],
-        )
+        answers = np.empty((ANSWERS, state.wheels.rail.shape[0], 2))
+        answer(state.wheels, self.parameters.rail.axis_depth, answers)
+        return TrackOutputs(state.wheels.wheelset, answers)
 
     def _in_window(self, state: TrackState, x: np.ndarray) -> np.ndarray:
         """Return where wheelsets at ``x`` (steps, wheelsets) on the line stand in the window, m."""
@@ -415,16 +414,22 @@ class TrackModel:
             return np.ascontiguousarray(np.broadcast_to(state.places, x.shape))
         return x - state.window_start
 
-    def _follow(self, state: TrackState, x: np.ndarray) -> TrackState:
+    def _follow(self, state: TrackState, motion: np.ndarray, path: np.ndarray) -> TrackState:
         """Slide the window until the wheels keep their margins; check that they do."""
-        p = self.parameters
-        if p.moves:
-            target = place_window(p, x[-1])
+        p, start, reach = self.parameters, state.window_start, np.empty(4)
+        if not finite_reach(motion, path, reach):
+            raise TrackError(f"a wheelset motion is not a finite number at t = {state.time:g} s")
+        rear, front, rear_end, front_end = reach.tolist()
+        # Half a millimetre early: then place_window decides.
+        if self._moves and 0.5 * (rear_end + front_end) > start + self._slide_middle - 5e-4:
+            target = place_window(p, path[-1, :, 0])
             while target > state.window_start + 0.5 * p.pitch:
                 state = self._slide_once(state)
+            start = state.window_start
         if p.window.method == "moving_irregularity":
             return state
-        check_margins(p, state.window_start, state.time, x)
+        if rear < start + END_MARGIN or front > start + self._length - END_MARGIN:
+            check_margins(p, start, state.time, path[:, :, 0])
         return state
 
     def _slide_once(self, state: TrackState) -> TrackState:

@@ -57,10 +57,11 @@ class MotionHistory(NamedTuple):
 
     def push(self, time: float, motion: np.ndarray) -> "MotionHistory":
         """Return the history with one more communication point."""
-        seen = self.rates_seen | np.any(motion[:, VELOCITY_COLUMNS] != 0.0, axis=0)
+        motion, seen = motion.copy(), self.rates_seen.copy()
+        _look_for_rates(motion, seen)
         if time == self.time:
-            return self._replace(motion=motion.copy(), rates_seen=seen)
-        return MotionHistory(time, self.time, motion.copy(), self.motion, seen)
+            return MotionHistory(time, self.previous_time, motion, self.previous, seen)
+        return MotionHistory(time, self.time, motion, self.motion, seen)
 
     def path(self, times: np.ndarray) -> np.ndarray:
         """Return motion rows at ``times``, shape (times, wheelsets, 11)."""
@@ -71,6 +72,37 @@ class MotionHistory(NamedTuple):
             self.previous,
             self.rates_seen,
         )
+
+
+@numba.njit(cache=True)
+def _look_for_rates(motion, seen):
+    """Mark the channels whose velocity is not zero, in place."""
+    for wheelset in range(motion.shape[0]):
+        for channel in range(5):
+            if motion[wheelset, channel + 5] != 0.0:
+                seen[channel] = True
+
+
+@numba.njit(cache=True)
+def finite_reach(motion, path, out):
+    """Fill ``out`` with what a step must check about the wheelsets' motion.
+
+    Smallest and largest position on ``path`` (steps, wheelsets, 11), and at its end, m, (4,).
+    Returns False if a number in ``motion`` is not finite.
+    """
+    last = path.shape[0] - 1
+    out[0] = out[1] = path[0, 0, 0]
+    out[2] = out[3] = path[last, 0, 0]
+    for n in range(path.shape[0]):
+        for wheelset in range(path.shape[1]):
+            x = path[n, wheelset, 0]
+            out[0], out[1] = min(out[0], x), max(out[1], x)
+            if n == last:
+                out[2], out[3] = min(out[2], x), max(out[3], x)
+    finite = True
+    for value in motion.flat:
+        finite &= np.isfinite(value)
+    return finite
 
 
 @numba.njit(cache=True)

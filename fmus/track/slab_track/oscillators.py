@@ -25,7 +25,7 @@ def step_undamped(old, softening, step, new):
     """Step oscillators without damping and without any force.
 
     ``old`` and ``new`` are displacement, velocity and acceleration, shape (3, n);
-    ``softening`` is :math:`\\alpha\\omega^2`, shape (n,).
+    ``softening`` is alpha omega^2, shape (n,).
     """
     q, v, a = old[0], old[1], old[2]
     q_new, v_new, a_new = new[0], new[1], new[2]
@@ -42,7 +42,7 @@ def step_undamped(old, softening, step, new):
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
 def step_damped(old, softening, drag, step, new):
-    """As :func:`step_undamped`, with ``drag`` :math:`\\alpha c`, shape (n,)."""
+    """As :func:`step_undamped`, with ``drag`` alpha c, shape (n,)."""
     q, v, a = old[0], old[1], old[2]
     q_new, v_new, a_new = new[0], new[1], new[2]
     half, quarter = 0.5 * step, 0.25 * step * step
@@ -62,7 +62,7 @@ def step_damped(old, softening, drag, step, new):
 def add_force(state, first, drive, force, step):
     """Add the step's answer to modal forces, in place.
 
-    ``state`` (3, n) from column ``first`` on; ``drive`` is the acceleration :math:`\\alpha\\phi`
+    ``state`` (3, n) from column ``first`` on; ``drive`` is the acceleration alpha phi
     per unit ``force``, both (m,).
     """
     last = first + force.size

@@ -9,7 +9,7 @@ from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
-from slab_track.model import TrackModel, TrackState
+from slab_track.model import TrackModel, TrackOutputs, TrackState
 from slab_track.motion import MOTION, MotionHistory
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
@@ -86,9 +86,8 @@ class TrackSlave(RailSlave):
             ]
         )
         self._contact = self.slice_of(*names.contact_names(count))
-        self._wheels = {
-            name: self.slice_of(*names.wheel_names(name, count)) for name in names.WHEEL
-        }
+        of_wheels = [self.indices(names.wheel_names(name, count)) for name in names.WHEEL]
+        self._wheels = np.array(of_wheels).reshape(len(of_wheels), count, 2)
         self._heights = self.slice_of(
             *(f"wheelset[{i}].static_vertical_displacement" for i in range(1, count + 1))
         )
@@ -111,7 +110,7 @@ class TrackSlave(RailSlave):
         if self._model.parameters.interface == "applied_force":
             applied = self.reals[self._applied].T.reshape(-1, 2, 3)
         try:
-            self._state, _ = self._model.step(
+            self._state, outputs = self._model.step(
                 self._state,
                 self.reals[self._inputs].reshape(-1, len(MOTION)),
                 step_size,
@@ -120,23 +119,14 @@ class TrackSlave(RailSlave):
             )
         except TrackError as error:
             raise StepError(str(error)) from error
-        self._publish()
+        self._publish(outputs)
 
-    def _publish(self) -> None:
-        state, wheels = self._state, self._wheels
-        outputs = self._model.outputs(state)
+    def _publish(self, outputs: TrackOutputs | None = None) -> None:
+        state = self._state
+        if outputs is None:
+            outputs = self._model.outputs(state)
         self.reals[self._contact] = outputs.contact.ravel()
-        for name, values in (
-            ("normal_force", outputs.normal_force),
-            ("longitudinal_creep_force", outputs.longitudinal_creep_force),
-            ("lateral_creep_force", outputs.lateral_creep_force),
-            ("penetration", outputs.penetration),
-            ("contact_angle", outputs.contact_angle),
-            ("rail_vertical_displacement", outputs.rail_deflection),
-            ("rail_lateral_displacement", outputs.rail_lateral),
-            ("rail_roll_angle", outputs.rail_roll),
-        ):
-            self.reals[wheels[name]] = values.ravel()
+        self.reals[self._wheels] = outputs.answers
         self.reals[self._window] = state.window_start, state.slide_residual
         self.values["window.slide_count"] = state.slide_count
 

@@ -8,9 +8,24 @@ from numba.experimental import structref
 
 from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import ContactTables
-from slab_track.contact.wheelset import FORCED, LOCATED
+from slab_track.contact.wheelset import (
+    ANGLE,
+    FORCED,
+    LATERAL_FORCE,
+    LOCATED,
+    LONGITUDINAL_FORCE,
+    NORMAL_FORCE,
+    PENETRATION,
+)
+from slab_track.irregularity.kernels import IrregularityData, evaluate_into
 from slab_track.lateral import LateralOperator, close_rail, free_rail, wheel_compliance
-from slab_track.vertical import FieldState, StepOperator, close_class_step, free_class_step, wheel_coupling
+from slab_track.vertical import (
+    FieldState,
+    StepOperator,
+    close_class_step,
+    free_class_step,
+    wheel_coupling,
+)
 from slab_track.wheels import contact_forces, rail_motion, solve_wheel
 
 _SQRT_HALF = np.sqrt(0.5)
@@ -39,8 +54,12 @@ class TrackOperator(NamedTuple):
         False if the rails are held laterally and in roll.
     hertz_constant
         Of eq. (1) for VERTICAL, m/N^(2/3).
+    irregularity
+        What :func:`slab_track.irregularity.kernels.evaluate_into` takes.
     half_distance
         Of the rolling circles, m.
+    axis_depth
+        Of the rails' axes below their heads, m.
     step
         Internal step, s.
     """
@@ -52,7 +71,9 @@ class TrackOperator(NamedTuple):
     interface: int
     lateral_motion: bool
     hertz_constant: float
+    irregularity: IrregularityData
     half_distance: float
+    axis_depth: float
     step: float
 
 
@@ -128,7 +149,7 @@ def wheel_shapes(wave_number, positions):
     """Return the waves' shapes at every wheel, shape (wheels, N), by recurrence in k.
 
     The first wave number is 0 on a ring, which has cosines and sines in turn. Eight rows
-    ahead the angle has grown by a constant, so :math:`f_{k+8} = 2 f_k\\cos - f_{k-8}`.
+    ahead the angle has grown by a constant, so f(k+8) = 2 cos f(k) - f(k-8).
     """
     count = wave_number.size
     shapes = np.empty((positions.size, count))
@@ -236,9 +257,7 @@ def _vertical_contact(operator, path, offsets, at, wheels):
                 - at.free[wheel, side, 1]
             )
     start = wheels.normal[:, :, 0].copy()
-    force, penetration = contact_forces(
-        approach, at.same, at.cross, start, operator.hertz_constant
-    )
+    force, penetration = contact_forces(approach, at.same, at.cross, start, operator.hertz_constant)
     wheels.normal[:, :, 0] = force
     wheels.wheelset[:] = 0.0
     for wheel in range(path.shape[0]):
@@ -312,7 +331,9 @@ def _report_rails(at, wheels):
 
 
 @numba.njit(cache=True)
-def _internal_step(operator, old, new, positions, path, offsets, applied, wheels, report, fasteners):
+def _internal_step(
+    operator, old, new, positions, path, offsets, applied, wheels, report, fasteners
+):
     """One internal step of :func:`advance`; False if it failed."""
     step, count = operator.step, positions.size
     moving = operator.lateral_motion and operator.interface != VERTICAL
@@ -372,7 +393,7 @@ class Fields(NamedTuple):
 
 
 @numba.njit(cache=True)
-def advance(box, old, new, positions, path, offsets, applied, wheels):
+def advance(box, old, new, positions, datum, path, applied, wheels, fasteners, answers):
     """Advance the track through several internal steps.
 
     Parameters
@@ -383,30 +404,63 @@ def advance(box, old, new, positions, path, offsets, applied, wheels):
         :class:`Fields` at the start, and those that receive the end.
     positions
         Wheelsets in the window at the end of each internal step, (steps, wheels), m.
+    datum
+        Height of the wheelsets above first touch at zero vertical displacement, m.
     path
-        Motion rows there, (steps, wheels, 11); heights as the contact counts them.
-    offsets
-        Irregularity there: side, direction (vertical, lateral), (steps, wheels, 2, 2), m.
+        Wheelset motion at the end of each internal step, (steps, wheels, 11).
     applied
         Prescribed forces on the rails' axes for APPLIED, (wheels, 2, 3).
     wheels
         :class:`WheelState`, start values in, results out.
+    fasteners
+        Receives the vertical fastener forces: symmetric and antisymmetric class, (2, P).
+    answers
+        Receives what :func:`answer` gives.
 
     Returns
     -------
-    tuple
-        Number of steps made (less than asked if one failed), and the vertical fastener
-        forces of the last one: symmetric and antisymmetric class, (2, P).
+    int
+        Number of steps made, less than asked if one failed.
     """
     operator = box.operator
-    fasteners = np.zeros((2, operator.symmetric.sines.shape[0]))
-    steps = positions.shape[0]
+    steps, count = path.shape[0], path.shape[1]
+    offsets, slopes = np.empty((count, 2, 2)), np.empty((count, 2, 2))
     for n in range(steps):
+        row, x = path[n].copy(), path[n, :, 0].copy()
+        evaluate_into(x, operator.irregularity, offsets, slopes)
+        row[:, 2] += datum
         good = _internal_step(
-            operator, old, new, positions[n], path[n], offsets[n], applied, wheels,
+            operator, old, new, positions[n], row, offsets, applied, wheels,
             n == steps - 1, fasteners,
         )  # fmt: skip
         if not good:
-            return n, fasteners
+            return n
         old = new
-    return steps, fasteners
+    answer(wheels, operator.axis_depth, answers)
+    return steps
+
+
+ANSWERS = 8
+"""Rows of what :func:`answer` gives."""
+
+
+@numba.njit(cache=True)
+def answer(wheels, axis_depth, out):
+    """Fill ``out`` (ANSWERS, wheels, 2) with what happens at the wheels.
+
+    Rows: normal, longitudinal and lateral creep force, N; penetration, m, and contact
+    angle, rad, of the patch that carries most; vertical and lateral displacement of the
+    rail's axis and of its head, m; roll, rad.
+    """
+    for wheel in range(out.shape[1]):
+        for side in range(2):
+            force, rail = wheels.forces[wheel, side], wheels.rail[wheel, side]
+            main = 1 if force[1, NORMAL_FORCE] > force[0, NORMAL_FORCE] else 0
+            out[0, wheel, side] = force[0, NORMAL_FORCE] + force[1, NORMAL_FORCE]
+            out[1, wheel, side] = force[0, LONGITUDINAL_FORCE] + force[1, LONGITUDINAL_FORCE]
+            out[2, wheel, side] = force[0, LATERAL_FORCE] + force[1, LATERAL_FORCE]
+            out[3, wheel, side] = wheels.located[wheel, side, main, PENETRATION]
+            out[4, wheel, side] = wheels.located[wheel, side, main, ANGLE]
+            out[5, wheel, side] = rail[1]
+            out[6, wheel, side] = rail[0] + axis_depth * rail[2]
+            out[7, wheel, side] = rail[2]

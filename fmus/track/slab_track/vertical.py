@@ -210,9 +210,7 @@ def wheel_coupling(operator, positions):
         for i in range(fasteners):
             moving, static = by_modes[wheel, i], residual[wheel, i]
             by_all[wheel, i] = moving + static
-            clamped[wheel, i] = (
-                operator.modal_gain[i] * moving + operator.residual_gain[i] * static
-            )
+            clamped[wheel, i] = operator.modal_gain[i] * moving + operator.residual_gain[i] * static
         for other in range(wheel + 1):
             there = positions[other] / operator.spacing
             moving = between(operator.response_kernel, here, there, ring)
@@ -269,9 +267,7 @@ def free_class_step(operator, old, shapes, coupling, step, new):
     (:class:`FieldState` both); returns a :class:`FreeStep`.
     """
     wheels, count = coupling.clamped.shape
-    step_undamped(
-        old.rail.reshape(3, -1), operator.rail_softening, step, new.rail.reshape(3, -1)
-    )
+    step_undamped(old.rail.reshape(3, -1), operator.rail_softening, step, new.rail.reshape(3, -1))
     step_damped(
         old.slab.reshape(3, -1),
         operator.slab_softening,
@@ -323,9 +319,7 @@ def close_class_step(operator, old, free, shapes, coupling, forces, step, new):
     add_force(rail, 0, operator.rail_drive[: wave.size], wave, step)
     add_force(rail, wave.size, operator.rail_drive[wave.size :], wave, step)
     on_slabs = fastener.reshape(new.slab.shape[1], -1) @ operator.seats.T
-    add_acceleration(
-        new.slab.reshape(3, -1), (on_slabs * operator.slab_weight).ravel(), step
-    )
+    add_acceleration(new.slab.reshape(3, -1), (on_slabs * operator.slab_weight).ravel(), step)
     new.residual[1] = old.residual[0]
     new.residual[0] = residual
     return fastener
