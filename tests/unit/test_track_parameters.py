@@ -113,3 +113,11 @@ def test_history_reproduces_a_cubic_and_falls_back_to_positions():
     bare = MotionHistory.begin(0.0, row(0.0, False)).push(0.1, row(0.1, False))
     slope = (cubic(0.1)[0][0] - cubic(0.0)[0][0]) / 0.1
     assert bare.path(np.array([0.2]))[0, 0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)
+
+
+def test_level_contact_refuses_internal_steps_at_which_its_wheels_bounce():
+    level = with_values(TrackParameters(), {"contact.model": "vertical"})
+    with pytest.raises(ParameterError, match=r"maximum_step = 0\.0003.*at most 0\.0002 s"):
+        with_values(level, {"integration.maximum_step": 3e-4})
+    profiles = {"contact.model": "profiles", "integration.maximum_step": 3e-4}
+    assert with_values(level, profiles).integration.maximum_step == 3e-4

@@ -77,8 +77,6 @@ class TrackState(NamedTuple):
         Height of the wheelsets above first touch at zero vertical displacement, m.
     static_heights
         Each wheelset's equilibrium height above the datum, (wheelsets,), m.
-    internal_step
-        Length of the last internal step, s.
     places
         Places of the wheelsets in the window at the start, (wheelsets,), m.
     """
@@ -95,7 +93,6 @@ class TrackState(NamedTuple):
     slide_residual: float
     datum: float
     static_heights: np.ndarray
-    internal_step: float
     places: np.ndarray
 
     @property
@@ -168,7 +165,6 @@ class TrackModel:
         self._longest_step = p.integration.maximum_step
         self._moves, self._length = p.moves, p.window_length
         self._slide_middle = 0.5 * (p.window_length + p.pitch)
-        self._no_force = np.zeros((p.wheelset_count, 2, 3))
 
     def _make_operator(self, step: float) -> OperatorBox:
         operator = TrackOperator(
@@ -256,7 +252,6 @@ class TrackModel:
             slide_residual=0.0,
             datum=float(np.mean(heights)),
             static_heights=heights - np.mean(heights),
-            internal_step=p.integration.maximum_step,
             places=motion[:, 0] - start,
         )
         state.rails[:, 0] = rails.lateral
@@ -289,7 +284,7 @@ class TrackModel:
         rail = np.zeros((3, *static.rail.shape))
         slab = np.zeros((3, *static.slab.shape))
         rail[0], slab[0] = static.rail, static.slab
-        return FieldState(rail, slab, np.array([static.residual, static.residual]))
+        return FieldState(rail, slab, np.array([static.residual, np.zeros_like(static.residual)]))
 
     def with_motion(self, state: TrackState, motion: np.ndarray) -> TrackState:
         """Return an initial state with other heights of the wheelsets and their forces."""
@@ -344,8 +339,6 @@ class TrackModel:
         path = history.path(state.time + internal * np.arange(1, substeps + 1))
         state = self._follow(state, history.motion, path)
         old = Fields(state.symmetric, state.antisymmetric, state.rails)
-        if internal != state.internal_step:
-            old = _restep(old, internal / state.internal_step)
         new = Fields(_room(old.symmetric), _room(old.antisymmetric), np.empty_like(old.rails))
         wheels = WheelState(*(array.copy() for array in state.wheels))
         fasteners = np.empty_like(state.fastener_force)
@@ -357,7 +350,7 @@ class TrackModel:
             self._in_window(state, path[:, :, 0]),
             state.datum,
             path,
-            self._on_axis(applied_force),
+            self._on_axis(applied_force, motion.shape[0]),
             wheels,
             fasteners,
             answers,
@@ -379,7 +372,7 @@ class TrackModel:
             slide_residual=state.slide_residual,
             datum=state.datum,
             static_heights=state.static_heights,
-            internal_step=internal,
+            places=state.places,
         )
         return state, TrackOutputs(wheels.wheelset, answers)
 
@@ -392,10 +385,10 @@ class TrackModel:
             f"{roll * 1e3:.2f} mrad): {_DERAILED}"
         )
 
-    def _on_axis(self, head: np.ndarray | None) -> np.ndarray:
+    def _on_axis(self, head: np.ndarray | None, count: int) -> np.ndarray:
         """Move forces from the rails' heads to their axes, (wheelsets, 2, 3)."""
         if self.interface != APPLIED:
-            return self._no_force
+            return np.zeros((count, 2, 3))
         if head is None:
             raise TrackError("interface = applied_force needs the forces at the rail heads")
         axis = np.array(head, dtype=float)
@@ -444,16 +437,6 @@ class TrackModel:
 
 def _room(field: FieldState) -> FieldState:
     return FieldState(*(np.empty_like(array) for array in field))
-
-
-def _restep(fields: Fields, step_ratio: float) -> Fields:
-    """Move the earlier residual to the distance of the new internal step."""
-
-    def moved(field: FieldState) -> FieldState:
-        now, before = field.residual
-        return field._replace(residual=np.array([now, now + step_ratio * (before - now)]))
-
-    return Fields(moved(fields.symmetric), moved(fields.antisymmetric), fields.rails)
 
 
 __all__ = ["END_MARGIN", "TrackModel", "TrackOutputs", "TrackState"]

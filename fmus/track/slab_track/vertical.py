@@ -22,11 +22,11 @@ with Y the admittance at the fasteners, :math:`Y_w` that between fasteners and
 wheels, and :math:`\tilde p` the fastener forces of the free step.
 
 The modes left out of the series follow the forces without inertia: at fasteners
-and wheels they add :math:`r = R_w F - R p` with their static compliance. Their
-rate in the fasteners' dampers is the backward difference of second order (BDF2),
-:math:`(\tfrac32 r' - 2r + \tfrac12 r_{-1})/h`, so with :math:`\nu = k + \tfrac{3c}{2h}`
+and wheels they add :math:`r = R_w F - R p` with their static compliance. Their rate in the
+fasteners' dampers follows the same rule, :math:`\dot r' = \tfrac2h(r' - r) - \dot r`, so with
+:math:`\nu = k + \tfrac{2c}{h}`
 
-.. math:: p' = D\left(\tilde p - \tfrac{c}{h}(2r - \tfrac12 r_{-1})
+.. math:: p' = D\left(\tilde p - c(\tfrac2h r + \dot r)
           + (\mu Y_w + \nu R_w) F'\right),\quad D = (I + \mu Y + \nu R)^{-1}.
 
 What remains per wheel is one scalar equation of Hertz's law with the compliance
@@ -63,8 +63,7 @@ class FieldState(NamedTuple):
     slab
         Shape (3, S, n): derivative, slab, mode.
     residual
-        Compression of the fasteners by the modes left out, now and one internal step
-        before, shape (2, P), m.
+        Compression of the fasteners by the modes left out, m, and its rate, m/s, shape (2, P).
     """
 
     rail: np.ndarray
@@ -100,8 +99,8 @@ class StepOperator(NamedTuple):
         k of all fasteners, N/m, and c of each, N.s/m, (P,).
     modal_gain, residual_gain
         mu / (h^2/4) and nu of each fastener, N/m, (P,).
-    lag
-        c / h of each fastener, N/m, (P,).
+    rate
+        2 / h, 1/s.
     spacing
         Distance of the fasteners, m.
     ring
@@ -127,7 +126,7 @@ class StepOperator(NamedTuple):
     damping: np.ndarray
     modal_gain: np.ndarray
     residual_gain: np.ndarray
-    lag: np.ndarray
+    rate: float
     spacing: float
     ring: bool
 
@@ -144,7 +143,7 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
     count = track.fastener_count
     dampers = track.damping + track.end_damping
     mu = quarter * track.stiffness + 0.5 * step * dampers
-    nu = track.stiffness + 1.5 * dampers / step
+    nu = track.stiffness + 2.0 * dampers / step
     return StepOperator(
         rail_softening=(rail_weight * rail.omega_squared).ravel(),
         rail_participation=track.participation.ravel(),
@@ -165,7 +164,7 @@ def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperato
         damping=dampers,
         modal_gain=mu / quarter,
         residual_gain=nu,
-        lag=dampers / step,
+        rate=2.0 / step,
         spacing=track.length / count,
         ring=track.ring,
     )
@@ -242,7 +241,7 @@ class FreeStep(NamedTuple):
 
 @numba.njit(cache=True)
 def _held_forces(operator, waves, slab, residual):
-    """Force of held fasteners after the free step, with the lag of the residual, (P,)."""
+    """Force of held fasteners after the free step of modes and residual, (P,)."""
     count = operator.sines.shape[0]
     folded = np.empty((2, count))
     for derivative in range(2):
@@ -253,8 +252,8 @@ def _held_forces(operator, waves, slab, residual):
     for i in range(count):
         force[i] = (
             operator.stiffness * (rail[0, i] - seats[0, i])
-            + operator.damping[i] * (rail[1, i] - seats[1, i])
-            - operator.lag[i] * (2.0 * residual[0, i] - 0.5 * residual[1, i])
+            + operator.damping[i]
+            * (rail[1, i] - seats[1, i] - operator.rate * residual[0, i] - residual[1, i])
         )
     return force
 
@@ -320,6 +319,8 @@ def close_class_step(operator, old, free, shapes, coupling, forces, step, new):
     add_force(rail, wave.size, operator.rail_drive[wave.size :], wave, step)
     on_slabs = fastener.reshape(new.slab.shape[1], -1) @ operator.seats.T
     add_acceleration(new.slab.reshape(3, -1), (on_slabs * operator.slab_weight).ravel(), step)
-    new.residual[1] = old.residual[0]
-    new.residual[0] = residual
+    for i in range(count):
+        change = residual[i] - old.residual[0, i]
+        new.residual[1, i] = operator.rate * change - old.residual[1, i]
+        new.residual[0, i] = residual[i]
     return fastener
