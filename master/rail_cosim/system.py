@@ -48,8 +48,13 @@ class SystemStructure:
         return next(port for port in self.ports if port.slave.name == name)
 
     def _port(self, slave: Slave) -> Port:
-        inputs = [c.name for c in self.connections if c.target == slave.name]
-        coupled = list(dict.fromkeys(c.name for c in self.connections if c.source == slave.name))
+        # In the slave's own order: consecutive variables are cheaper to reach.
+        order = {name: place for place, name in enumerate(slave.variables)}
+        inputs = sorted(
+            (c.name for c in self.connections if c.target == slave.name), key=order.__getitem__
+        )
+        sources = {c.name for c in self.connections if c.source == slave.name}
+        coupled = sorted(sources, key=order.__getitem__)
         outputs = [v for v in slave.variables.values() if v.causality == "output"]
         reals = [v.name for v in outputs if v.kind == "real"]
         others = [name for name in reals if name not in set(coupled)]

@@ -3,6 +3,7 @@
 import math
 import threading
 import weakref
+from array import array
 from collections.abc import MutableMapping, Sequence
 from typing import Any
 
@@ -63,6 +64,7 @@ class ValueSlave(GuardedSlave):
             self._hold(error)
         self._store = VariableStore(self.table)
         self.reals = self._store.reals
+        self._buffer = memoryview(self.reals)
         self.values: MutableMapping[str, Any] = ValueView(self._store)
         self.values[STATUS_MESSAGE.name] = self._run_error
 
@@ -128,7 +130,10 @@ class ValueSlave(GuardedSlave):
             plan = self._store.plan(vrs)
             if plan.readonly or (plan.fixed and self._mode == Mode.RUNNING):
                 raise self._refused(plan.readonly, plan.fixed)
-            self.reals[plan.index] = values
+            if plan.span is None:
+                self.reals[plan.index] = values
+            else:  # Several times as fast from a list as numpy is.
+                self._buffer[plan.span] = array("d", values)
             if not math.isfinite(sum(values)):
                 self._suspect = True
             self._stale = self._mode == Mode.INITIALIZING
@@ -164,7 +169,15 @@ class ValueSlave(GuardedSlave):
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Return integers by value reference."""
-        return self._get("integer", vrs, 0)
+        try:
+            if threading.get_ident() != self._thread:
+                self._enter()
+            if self._stale:
+                self._refresh()
+            return [self._store.integers[self._store.checked("integer", vr)] for vr in vrs]
+        except BaseException as error:
+            self._hold(error)
+            return [0] * len(vrs)
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
         """Return booleans by value reference."""

@@ -19,12 +19,13 @@ class AccessPlan:
     are made once for each list.
     """
 
-    __slots__ = ("fixed", "index", "readonly", "references")
+    __slots__ = ("fixed", "index", "readonly", "references", "span")
 
     def __init__(self, references: list[int], variables: Sequence[Variable]) -> None:
         chosen = [_variable(variables, reference) for reference in references]
         self.references = list(references)
         self.index = contiguous_or_array(references)
+        self.span = self.index if isinstance(self.index, slice) else None
         self.readonly = next((v.name for v in chosen if not v.settable), "")
         self.fixed = next((v.name for v in chosen if v.variability == "fixed"), "")
 
@@ -90,6 +91,18 @@ class VariableStore:
                 self._plans.clear()
             self._plans[key] = plan
         return plan
+
+    def checked(self, kind: str, reference: int) -> int:
+        """Return a value reference that exists.
+
+        Raises
+        ------
+        StepError
+            If it does not.
+        """
+        if not 0 <= reference < len(self._lists[kind]):
+            _variable(self.table.of_kind[kind], reference)
+        return reference
 
     def get(self, kind: str, references: Sequence[int]) -> list[Any]:
         """Return integers, booleans or strings by value reference."""
