@@ -10,6 +10,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from rail_cosim.bench import Benchmark
 from rail_cosim.results import SIDES
 from rail_cosim.summary import Summary
 
@@ -111,3 +112,24 @@ def sweep_table(dataset: xr.Dataset) -> Table:
     if len(reasons) > _SHOWN:
         facts.add_row("", f"and {len(reasons) - _SHOWN} other reasons: see the variable error")
     return facts
+
+
+def benchmark_table(found: Benchmark) -> Table:
+    """Return the table of ``rail-cosim bench``."""
+    title = (
+        f"{found.speed_km_h:.0f} km/h, macro step {found.macro_step:g} s, "
+        f"{found.slab_length:g} m, processor time"
+    )
+    table = Table("", "", title=title, title_justify="left", title_style="", show_header=False)
+    table.add_row("per slab length", f"{found.seconds_per_slab_length * 1e3:.1f} ms")
+    table.add_row("real-time factor", f"{found.real_time_factor:.2f}")
+    if found.ratio is not None and found.reference_seconds_per_slab_length is not None:
+        other = found.reference_seconds_per_slab_length * 1e3
+        table.add_row(
+            "reference implementation", f"{other:.0f} ms, {found.ratio:.1f} times as long"
+        )
+    for name, value in found.microseconds_per_step.items():
+        table.add_row(f"{name.replace('_', ' ')}, per macro step", f"{value:.1f} us")
+    table.add_row("loading", f"{found.load:.2f} s")
+    table.add_row("set-up", f"{found.setup:.2f} s")
+    return table

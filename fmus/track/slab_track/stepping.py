@@ -277,6 +277,9 @@ def _profile_contact(operator, path, offsets, at, wheels):
     own, offset, wheelset = np.empty(6), np.empty(2), np.empty(6)
     grid = fastsim_grid(operator.contact.columns, operator.contact.strips)
     coupled = np.max(np.abs(at.cross))
+    for wheel in range(path.shape[0]):
+        for other in range(wheel):
+            coupled = max(coupled, abs(at.same[wheel, other]))
     good = True
     for _ in range(_SWEEPS):
         worst = 0.0

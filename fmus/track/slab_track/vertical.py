@@ -250,10 +250,8 @@ def _held_forces(operator, waves, slab, residual):
     seats = (slab[:2].reshape(-1, slab.shape[2]) @ operator.seats).reshape(2, count)
     force = np.empty(count)
     for i in range(count):
-        force[i] = (
-            operator.stiffness * (rail[0, i] - seats[0, i])
-            + operator.damping[i]
-            * (rail[1, i] - seats[1, i] - operator.rate * residual[0, i] - residual[1, i])
+        force[i] = operator.stiffness * (rail[0, i] - seats[0, i]) + operator.damping[i] * (
+            rail[1, i] - seats[1, i] - operator.rate * residual[0, i] - residual[1, i]
         )
     return force
 

@@ -82,9 +82,7 @@ def slide_fields(
     rails[:, :, :2] = slide_rail(lateral.bending, operator, state.rails[:, :, :2])
     rails[:, :, 2] = state.rails[:, :, 2] @ operator.deflection.T
     changes["rails"] = rails
-    changes["fastener_force"] = np.ascontiguousarray(
-        operator.rows(state.fastener_force.T, seats).T
-    )
+    changes["fastener_force"] = np.ascontiguousarray(operator.rows(state.fastener_force.T, seats).T)
     return changes, _residual(track, operator, old[:, 0], new[:, 0])
 
 
