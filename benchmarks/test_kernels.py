@@ -14,7 +14,7 @@ SPEED, STEP = 300.0 / 3.6, 1e-4
 
 
 def steps(count, **settings):
-    """A function that makes ``count`` macro steps of a running track."""
+    """Return a function that makes ``count`` macro steps of a running track."""
     values = {"contact.model": "profiles"} | {
         name.replace("__", "."): value for name, value in settings.items()
     }
