@@ -10,9 +10,8 @@ from rail_vehicle import VehicleModel, VehicleParameters
 from rail_vehicle.coordinates import BODY_COUNT, FREE, LATERAL, ROLL, YAW, Y, coordinate
 from slab_track import TrackModel, TrackParameters
 from slab_track.contact import ContactParameters
-from slab_track.errors import TrackError
 from slab_track.irregularity import IrregularityParameters
-from slab_track.irregularity.parameters import RailJointParameters
+from slab_track.irregularity.parameters import CosineParameters, RailJointParameters
 from slab_track.parameters import Rail
 
 SPEED, STEP, PITCH = 300.0 / 3.6, 1e-4, 5.032
@@ -25,7 +24,7 @@ class Disturbed(WholeVehicle):
 
     def __init__(self, speed=SPEED, **displaced) -> None:
         super().__init__(VehicleModel(VehicleParameters(speed=speed)))
-        self.displaced, self.lateral = displaced, []
+        self.displaced, self.lateral, self.guiding = displaced, [], []
 
     def initial_state(self, heights):
         state = super().initial_state(heights)
@@ -38,6 +37,7 @@ class Disturbed(WholeVehicle):
     def step(self, *arguments):
         state, outputs = super().step(*arguments)
         self.lateral.append(state.coordinates[LATERAL])
+        self.guiding.append(arguments[2][:, 1].copy())
         return state, outputs
 
 
@@ -127,27 +127,44 @@ def test_random_line_is_that_of_its_seed():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(
-    raises=TrackError,
-    strict=True,
-    reason="open defect: wheelset 1 swings up to 15 mm and leaves the contact tables at 60 m",
-)
-def test_german_low_disturbance_is_plausible():
-    """Rms over 200 m at 300 km/h against what measurements and simulations of such lines give.
+@pytest.mark.parametrize("seed", [1, 2])
+def test_german_low_disturbance_is_plausible(seed):
+    """300 m at 300 km/h against what the standards for running safety allow (EN 14363).
 
-    Dynamic wheel force 3 to 20 % of the static one, axle acceleration a few m/s2 (wavelengths
-    down to the spectrum's shortest), lateral shift of wheelsets below half the flange play.
+    The spectrum is that of lines for such speeds, on which vehicles keep these limits: largest
+    wheel force 90 kN + Q_0, sum of guiding forces of a wheelset over 2 m 10 kN + 2/3 Q_0.
+    Wheels keep their rails, wheelsets stay within the flange play of 8 to 10 mm or so.
     """
-    history, lateral = random_line(1, 220.0, modes=600)
+    vehicle = Disturbed()
+    history, lateral = random_line(seed, 300.0, vehicle=vehicle, modes=200)
     late = history.position[:, -1] > 0.0
-    force = history.normal_force[late].std(axis=0) / STATIC
-    shift = lateral[late][:, 3:].std(axis=0)
-    acceleration = history.acceleration[late].std(axis=0)
-    print(f"force {force}, shift {shift} m, acceleration {acceleration} m/s2")
-    assert np.all((force > 0.02) & (force < 0.2))
-    assert np.all((shift > 0.2e-3) & (shift < 4e-3))
-    assert np.all((acceleration > 0.5) & (acceleration < 30.0))
-    assert np.all(history.normal_force[late] > 0.0)
+    force = history.normal_force[late] / STATIC
+    shift = lateral[late][:, 3:]
+    guiding = np.array(vehicle.guiding)[late]
+    window = round(2.0 / SPEED / STEP)
+    mean = np.apply_along_axis(np.convolve, 0, guiding, np.ones(window) / window, "valid")
+    print(
+        f"rms: force {force.std(axis=(0, 2))} of the static one, shift {shift.std(axis=0)} m, "
+        f"acceleration {history.acceleration[late].std(axis=0)} m/s2, guiding force "
+        f"{guiding.std(axis=0)} N; largest shift {np.abs(shift).max(axis=0)}, "
+        f"2 m mean of guiding force {np.abs(mean).max(axis=0)}"
+    )
+    assert np.all((force.std(axis=(0, 2)) > 0.05) & (force.std(axis=(0, 2)) < 0.3))
+    assert np.max(force) < 1.0 + 90e3 / STATIC
+    assert np.all((shift.std(axis=0) > 0.5e-3) & (shift.std(axis=0) < 5e-3))
+    assert np.max(np.abs(shift)) < 14e-3  # the rails' own alignment is some 3 mm of it
+    assert np.max(np.abs(mean)) < 10e3 + 2.0 * STATIC / 3.0
+
+
+@pytest.mark.slow
+def test_a_lateral_kick_dies_out_at_300_kmh():
+    """10 mm sideways over 25 m: the flanges touch, and the vehicle calms down all the same."""
+    kick = CosineParameters(
+        side="both", direction="lateral", length=25.0, position=20.0, depth=10e-3
+    )
+    history, lateral = go(250.0, modes=200, irregularity=IrregularityParameters(cosine=kick))
+    assert np.max(np.abs(lateral[:, 3:])) > 9e-3
+    assert np.max(np.abs(lateral[history.position[:, -1] > 200.0][:, 3:])) < 3e-3
 
 
 @pytest.mark.slow

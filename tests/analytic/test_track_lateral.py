@@ -113,7 +113,7 @@ def continuous_flexibility(count=400_001):
 
     Timoshenko beam and torsion bar on a continuous bedding at the foot, by Fourier integral.
     """
-    lateral, turn = 15e6 / 0.629, 40e6 * 0.150**2 / 12.0 / 0.629
+    lateral, turn = 15e6 / 0.629, 40e6 * 0.150**2 / 4.0 / 0.629
     foot, k = RAIL.axis_height, np.linspace(1e-6, 400.0, count)
     beam = 1.0 / (1.0 / (EI * k**4) + 1.0 / (KGA * k**2))
     a, b, c = beam + lateral, -foot * lateral, GK * k**2 + turn + foot**2 * lateral
@@ -181,11 +181,11 @@ def test_static_rail_is_the_dense_solution_without_residual():
 def test_residual_compliance_makes_few_modes_as_soft_as_many():
     places, force = np.array([31.3]), np.array([[20e3, 2e3]])
     _, few = static_rail(
-        assemble_lateral(TrackParameters(rail=Rail(mode_count=300))), places, force
+        assemble_lateral(TrackParameters(rail=Rail(mode_count=600))), places, force
     )
     many = Rail(mode_count=4000, residual_compliance=False)
     _, exact = static_rail(assemble_lateral(TrackParameters(rail=many)), places, force)
-    np.testing.assert_allclose(few, exact, rtol=3e-3)
+    np.testing.assert_allclose(few, exact, rtol=5e-3)
 
 
 # -- step --------------------------------------------------------------------
@@ -238,7 +238,7 @@ def test_lateral_step_solves_the_dense_equations_with_second_order():
 
 def test_long_hold_reaches_the_dense_static_solution():
     load = head_forces([2e4, 0.0, 1e3], [0.0, 0.0, -4e3])
-    found, state, model = run(SMALL, lambda _t: load, 0.1, 800, 1e-3)
+    found, state, model = run(SMALL, lambda _t: load, 0.1, 1600, 1e-3)
     dense = dense_lateral(SMALL)
     rows = dense.rows(0.1 - state.window_start)
     to_head = np.array([[1.0, RAIL.axis_depth], [0.0, 1.0]])

@@ -59,7 +59,7 @@ def dense_lateral(p: TrackParameters) -> DenseLateral:
         ]
     )
     damping = np.zeros_like(stiffness)
-    f, roll = p.fastener, rail.base_width**2 / 12.0
+    f, roll = p.fastener, rail.base_width**2 / 4.0
     for i in range(p.fastener_count):
         shape, zero = np.sin(k * (i + 0.5) * f.spacing), np.zeros(k.size)
         foot = np.concatenate([shape, zero, -rail.axis_height * shape])

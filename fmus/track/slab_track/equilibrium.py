@@ -3,28 +3,38 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
-from slab_track.contact.fastsim import fastsim_grid
-from slab_track.contact.tables import ContactTables
+from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT, ContactTables
 from slab_track.contact.wheelset import wheel_rail_contact
 from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack, static_rail
 from slab_track.stepping import WheelState
-from slab_track.wheels import hertz_force, solve_wheel
+from slab_track.wheels import hertz_force
 
-_ROUNDS = 200
-_TOLERANCE = 1e-7
-"""Part of the load that may be missing in the equilibrium."""
+_ROUNDS = 100
+_SHORTEST_PART = 1e-3
+"""Of a Newton step."""
+
+_RAIL_TOLERANCE = 1e-11
+"""Change of the rails' displacement, m or rad, below which the equilibrium is found."""
+
+_DIFFERENCE = 1e-8
+"""Of the rails' motion, m or rad, for slopes."""
+
+_SEARCH_LIMIT = 0.05
+"""Farthest that a wheelset's height is searched, m."""
 
 _FIRST_APPROACH = 7e-5
 """Guess of the penetration under the static load, m."""
 
 BESIDE_THE_RAILS = (
-    "a wheelset stands beside its rails: its lateral displacement or roll angle is beyond 22 mm "
-    "or 20 mrad from the rails' own; check wheelset[i].lateral_displacement and "
-    "wheelset[i].roll_angle at the start, rail.gauge and the profiles"
+    f"a wheelset stands beside its rails: its lateral displacement or roll angle is beyond "
+    f"{LATERAL_LIMIT * 1e3:g} mm or {ROLL_LIMIT * 1e3:g} mrad from the rails' own; check "
+    "wheelset[i].lateral_displacement and wheelset[i].roll_angle at the start, rail.gauge "
+    "and the profiles"
 )
 
 
@@ -160,53 +170,92 @@ def profile_equilibrium(
         Heights (w,), m, and forces on the rails' axes (w, 2, 3).
     """
     count = motion.shape[0]
-    wheels, rows = WheelState.empty(count), motion.copy()
-    wheels.rail_force[:, :, 1] = wheels.normal[:, :, 0] = load
-    own = np.array([compliance[w, s, :, w, s, :] for w in range(count) for s in (0, 1)])
-    rails = np.einsum("wsiujk,ujk->wsi", compliance, wheels.rail_force)
-    rows[:, 2] = (rails[:, :, 1] + offsets[:, :, 0]).mean(axis=1) + _FIRST_APPROACH
-    stiffness = 2.0 / (own[:, 1, 1].reshape(count, 2).mean(axis=1) + _FIRST_APPROACH / load)
+    wheelsets = [
+        _RestingWheelset(tables, motion[w], np.ascontiguousarray(offsets[w, :, ::-1]), 2.0 * load)
+        for w in range(count)
+    ]
+    force = np.zeros((count, 2, 3))
+    force[:, :, 1] = load
+    rails = np.einsum("wsiujk,ujk->wsi", compliance, force)
+    heights = (rails[:, :, 1] + offsets[:, :, 0]).mean(axis=1) + _FIRST_APPROACH
+    flexibility = compliance.reshape(6 * count, 6 * count)
+
+    def answer(rails):
+        for w, wheelset in enumerate(wheelsets):
+            force[w], heights[w] = wheelset.forces(rails[w], heights[w])
+        return np.einsum("wsiujk,ujk->wsi", compliance, force) - rails
+
+    error = answer(rails)
     for _ in range(_ROUNDS):
-        carried = _sweep(tables, compliance, own, rows, offsets, wheels)
-        missing = 2.0 * load - carried
-        if np.max(np.abs(missing)) <= _TOLERANCE * load:
-            return rows[:, 2].copy(), wheels.rail_force
-        rows[:, 2] += missing / stiffness
+        if np.max(np.abs(error)) <= _RAIL_TOLERANCE:
+            return heights, force
+        slope = np.zeros((6 * count, 6 * count))
+        for w, wheelset in enumerate(wheelsets):
+            own = slice(6 * w, 6 * w + 6)
+            slope[own, own] = wheelset.slope(rails[w], heights[w])
+        change = np.linalg.solve(np.eye(6 * count) - flexibility @ slope, error.ravel())
+        change, part = change.reshape(rails.shape), 1.0
+        # Newton's method with shorter steps where a flange begins to touch.
+        while True:
+            try:
+                trial = answer(rails + part * change)
+            except TrackError:
+                if part < _SHORTEST_PART:
+                    raise
+                trial = np.full_like(error, np.inf)
+            if np.max(np.abs(trial)) < np.max(np.abs(error)) or part < _SHORTEST_PART:
+                break
+            part *= 0.5
+        rails, error = rails + part * change, trial
     raise TrackError(
-        f"the static equilibrium was not found: {np.max(np.abs(missing)):g} N are not carried; "
-        "check static_wheel_load, the profiles and the wheelsets' lateral displacements"
+        f"the static equilibrium was not found: the rails still move by "
+        f"{np.max(np.abs(error)):g} m; check static_wheel_load, the profiles and the wheelsets' "
+        "lateral displacements"
     )
 
 
-def _sweep(tables, compliance, own, rows, offsets, wheels) -> np.ndarray:
-    """Solve wheel after wheel with the others' forces as they are; return what is carried."""
-    carried = np.zeros(rows.shape[0])
-    wheelset, nothing = np.zeros(6), np.zeros((3, 3))
-    grid = fastsim_grid(tables.columns, tables.strips)
-    rails = np.einsum("wsiujk,ujk->wsi", compliance, wheels.rail_force)
-    for wheel, side in np.ndindex(rows.shape[0], 2):
-        force = wheels.rail_force[wheel, side]
-        mine = own[2 * wheel + side]
-        free = np.zeros(6)
-        free[:3] = rails[wheel, side] - mine @ force
-        found = solve_wheel(
-            tables,
-            grid,
-            2.0 * side - 1.0,
-            rows[wheel],
-            free,
-            np.ascontiguousarray(mine),
-            nothing,
-            np.ascontiguousarray(offsets[wheel, side, ::-1]),
-            force,
-            wheels.normal[wheel, side],
-            wheels.creep[wheel, side],
-            wheelset,
-            wheels.rail[wheel, side],
-            wheels.located[wheel, side],
-            wheels.forces[wheel, side],
-        )
-        if not found:
-            raise TrackError(BESIDE_THE_RAILS)
-        carried[wheel] -= wheelset[2]
-    return carried
+class _RestingWheelset:
+    """A wheelset that carries a load on given rails, at the height that this takes."""
+
+    def __init__(self, tables, motion, offsets, load: float) -> None:
+        self.tables, self.row, self.offsets, self.load = tables, motion.copy(), offsets, load
+        self.wheels = WheelState.empty(1)
+
+    def forces(self, rails: np.ndarray, height: float) -> tuple[np.ndarray, float]:
+        """Return the forces on the rails' axes (2, 3) and the height, searched from ``height``."""
+        moved = np.zeros((1, 2, 6))
+        moved[0, :, :3] = rails
+        wheels = self.wheels
+
+        def excess(z: float) -> float:
+            self.row[2] = z
+            inside = wheel_rail_contact(
+                self.tables, self.row[None], moved, self.offsets[None], wheels.wheelset,
+                wheels.rail_force, wheels.located, wheels.forces,
+            )  # fmt: skip
+            if not inside:
+                raise TrackError(BESIDE_THE_RAILS)
+            return -wheels.wheelset[0, 2] - self.load
+
+        # The force grows with depth: bracket the height, then close in.
+        stride = 1e-6
+        down = excess(height) < 0.0
+        near = far = height
+        while (excess(far) < 0.0) == down:
+            near, far = far, far + (stride if down else -stride)
+            stride *= 2.0
+            if stride > _SEARCH_LIMIT:
+                raise TrackError(BESIDE_THE_RAILS)
+        found = brentq(excess, near, far, xtol=1e-16, rtol=1e-14)
+        excess(found)
+        return wheels.rail_force[0].copy(), found
+
+    def slope(self, rails: np.ndarray, height: float) -> np.ndarray:
+        """Change of the forces with the rails' motion, (6, 6), by central differences."""
+        slope = np.empty((6, 6))
+        for i in range(6):
+            change = np.zeros(6)
+            change[i] = _DIFFERENCE
+            sides = [self.forces(rails + s * change.reshape(2, 3), height)[0] for s in (1, -1)]
+            slope[:, i] = (sides[0] - sides[1]).ravel() / (2.0 * _DIFFERENCE)
+        return slope

@@ -3,9 +3,10 @@ r"""Lateral bending and torsion of one rail on its fasteners, one internal step.
 Both rails have the same system, and the slabs do not move sideways. The rail's axis
 (its centroid) moves by y and turns by :math:`\varphi`; its foot, :math:`h_f` below, moves
 by :math:`y - h_f\varphi`. A fastener holds the foot with a lateral force p and, through the
-width b of the rail base on a uniform pad, with a moment m:
+width b of the rail base, at whose edges the two halves of its vertical spring stand, with
+a moment m:
 
-.. math:: p = k_l (y - h_f\varphi) + \ldots,\quad m = k_v\tfrac{b^2}{12}\varphi + \ldots
+.. math:: p = k_l (y - h_f\varphi) + \ldots,\quad m = k_v\tfrac{b^2}{4}\varphi + \ldots
 
 Fasteners are alike and equidistant, so waves that look different at the fasteners do not
 couple: in the folded wave numbers of :mod:`slab_track.waves` the fasteners are 2 x 2
@@ -81,8 +82,8 @@ def assemble_lateral(p: TrackParameters) -> LateralTrack:
     count = p.fastener_count
     index, sign = fold_table(rail.mode_count, count, ring=p.ring)
     weight = np.sum(fastener_shapes(count, ring=p.ring) ** 2, axis=1)
-    # Uniform pad under the whole rail base.
-    lever = rail.base_width**2 / 12.0
+    # Half the vertical spring under either edge of the rail base.
+    lever = rail.base_width**2 / 4.0
     residual = np.zeros(2)
     if rail.residual_compliance:
         finer = waves(length, 200 * rail.mode_count, ring=p.ring).wave_number

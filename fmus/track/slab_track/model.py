@@ -13,6 +13,7 @@ import numpy as np
 
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.contact import Steel, build_tables
+from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT
 from slab_track.contact.wheelset import NORMAL_FORCE
 from slab_track.equilibrium import (
     contact_at,
@@ -44,9 +45,15 @@ from slab_track.vertical import FieldState, step_operator
 from slab_track.window import END_MARGIN, check_margins, place_window, slide_fields
 
 _DERAILED = (
-    "a wheel left its rail: its lateral displacement or roll is beyond 22 mm or 20 mrad from the "
-    "rail's own, or its contact force could not be found (derailment)"
+    f"a wheel left its rail: its lateral displacement or roll is beyond {LATERAL_LIMIT * 1e3:g} mm "
+    f"or {ROLL_LIMIT * 1e3:g} mrad from the rail's own (derailment)"
 )
+_NO_FORCE = (
+    "the contact forces were not found; reduce integration.maximum_step or the communication "
+    "step, and check that the wheelset motion is smooth"
+)
+_NEARLY = 0.98
+"""Part of the contact tables' limits at which a failed step counts as a derailment."""
 
 
 class TrackState(NamedTuple):
@@ -357,7 +364,8 @@ class TrackModel:
         )
         if made < substeps:
             raise TrackError(
-                f"at t = {state.time + made * internal:g} s, {self._where(path, made)}"
+                f"at t = {state.time + made * internal:g} s, "
+                f"{self._where(path[made], offsets[made], wheels)}"
             )
         state = TrackState(
             time=end,
@@ -376,13 +384,18 @@ class TrackModel:
         )
         return state, TrackOutputs(wheels.wheelset, answers)
 
-    def _where(self, path: np.ndarray, step: int) -> str:
+    def _where(self, rows: np.ndarray, offsets: np.ndarray, wheels: WheelState) -> str:
         """Say what happened where, for the error after a failed internal step."""
-        worst = int(np.argmax(np.abs(path[step, :, 1]) + np.abs(path[step, :, 3])))
-        x, y, _, roll = path[step, worst, :4]
+        rail = wheels.rail
+        head = rail[..., 0] + self.parameters.rail.axis_depth * rail[..., 2] + offsets[..., 1]
+        shift = np.abs(rows[:, None, 1] - head) / LATERAL_LIMIT
+        turn = np.abs(rows[:, None, 3] - rail[..., 2]) / ROLL_LIMIT
+        far = np.maximum(shift, turn).max(axis=1)
+        worst = int(np.argmax(far))
+        x, y, _, roll = rows[worst, :4]
         return (
             f"wheelset {worst + 1} at {x:.3f} m (lateral displacement {y * 1e3:.2f} mm, roll "
-            f"{roll * 1e3:.2f} mrad): {_DERAILED}"
+            f"{roll * 1e3:.2f} mrad): {_NO_FORCE if far[worst] < _NEARLY else _DERAILED}"
         )
 
     def _on_axis(self, head: np.ndarray | None, count: int) -> np.ndarray:

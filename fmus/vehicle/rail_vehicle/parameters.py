@@ -283,7 +283,7 @@ class LateralDamper(ParameterSet):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class YawDamper(ParameterSet):
-    """One yaw damper (one on each bogie side): a blow-off dashpot behind a spring."""
+    """The yaw dampers of a bogie side: each a blow-off dashpot behind a spring."""
 
     GROUP: ClassVar[str] = "yaw_damper"
 
@@ -303,6 +303,14 @@ class YawDamper(ParameterSet):
     )
     series_stiffness: float = _field(
         10.0e6, "N/m", "Stiffness in series, bushes and oil", symbol="K_yd", source="Hunting"
+    )
+    count_per_side: int = quantity(
+        2,
+        "1",
+        "Dampers side by side on each bogie side; the values above are those of one",
+        at_least=1,
+        at_most=4,
+        source="bogies for 300 km/h and more, as CRH380A and CRH380B: four on a bogie",
     )
     half_span: float = _field(
         1.35, "m", "Lateral distance of the damper from centre", symbol="b_yd", source="Hunting"

@@ -22,11 +22,11 @@ from slab_track.contact.profile_file import load_profile
 LATERAL_LIMIT = 0.022
 """Largest tabulated shift of a wheel against its rail (m)."""
 
-ROLL_LIMIT = 0.020
+ROLL_LIMIT = 0.040
 """Largest tabulated roll of a wheel against its rail (rad)."""
 
 _LATERAL_STEPS = 880
-_ROLL_STEPS = 40
+_ROLL_STEPS = 80
 _RATIO_LIMIT = 9.0
 _RATIO_COUNT = 361
 
