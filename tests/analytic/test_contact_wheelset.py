@@ -214,7 +214,8 @@ def test_flange_and_tread_carry_together(contact):
 def test_tables_agree_with_the_direct_computation(contact, roll, yaw):
     parameters = ContactParameters(rail_profile="60E1", rolling_circle_distance=1.493)
     direct = ContactGeometry(
-        load_profile("wheel", "S1002"), load_profile("rail", "60E1"), RailPlacement(),
+        load_profile("wheel", "S1002"), load_profile("rail", "60E1"),
+        RailPlacement(rolling_circle_distance=1.493),
         reference_penetration=parameters.reference_penetration,
     )  # fmt: skip
     b, radius = 0.7465, 0.46

@@ -44,8 +44,8 @@ def _first_order(parameters, system, stiffness, damping, loose):
         spring = yaw_damper.count_per_side * yaw_damper.series_stiffness
         matrix[count : 2 * count, 2 * count :] = inverse[:, None] * rows
         matrix[2 * count :, count : 2 * count] = -spring * rows.T
-        matrix[2 * count :, 2 * count :] = -np.eye(4) * spring / (
-            yaw_damper.count_per_side * yaw_damper.damping
+        matrix[2 * count :, 2 * count :] = (
+            -np.eye(4) * spring / (yaw_damper.count_per_side * yaw_damper.damping)
         )
     return matrix
 
