@@ -37,6 +37,9 @@ _SHIFT = 2e-8
 force by some 1e-6 rad, 0.1 N."""
 
 _ITERATIONS = 60
+_SMALLEST_PART = 0.01
+"""Part of a step, halved again and again, at which the creep force is between a jump's ends."""
+
 _SLOWEST = 0.1
 
 
@@ -183,6 +186,7 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
+    last_change, part = np.zeros(2), np.ones(2)
     for _ in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
         inside = locate_wheel(tables, side, motion, rail, offset, located)
@@ -197,9 +201,15 @@ def solve_wheel(
             if normal[patch] > 0.0:
                 change = answer[LATERAL_FORCE] - creep[patch]
                 damped = _damping(tables, motion, mobility, row, answer)
-                creep[patch] += change / (1.0 + damped)
-                # The true force lies between both values.
-                error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
+                if change * last_change[patch] < 0.0:
+                    # Steeper than Kalker's slope, as on a flange: smaller steps.
+                    part[patch] *= 0.6
+                last_change[patch] = change
+                creep[patch] += part[patch] * change / (1.0 + damped)
+                # The true force lies between both values. FASTSIM's own force may jump by a per
+                # cent where a strip begins to slip earlier: then any value in the jump is true.
+                if part[patch] > _SMALLEST_PART:
+                    error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
                 answer[LATERAL_FORCE] = creep[patch]
                 moved = abs(rail[0] - y) + abs(row[RAIL_ARM_Z] * (rail[2] - roll))
                 error = max(error, moved / _SHIFT * _TOLERANCE)
