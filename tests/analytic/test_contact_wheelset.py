@@ -39,8 +39,7 @@ LEFT, RIGHT, TREAD, FLANGE = 0, 1, 0, 1
 @pytest.fixture(scope="module")
 def contact():
     return WheelRailContact.build(
-        ContactParameters(rail_profile="60E1", rolling_circle_distance=1.493),
-        gauge_measurement_depth=0.014,
+        ContactParameters(rail_profile="60E1"), gauge_measurement_depth=0.014
     )
 
 
@@ -212,10 +211,9 @@ def test_flange_and_tread_carry_together(contact):
 
 @pytest.mark.parametrize(("roll", "yaw"), [(0.0, 0.0), (1.37e-3, 0.0), (-0.6e-3, 1e-3)])
 def test_tables_agree_with_the_direct_computation(contact, roll, yaw):
-    parameters = ContactParameters(rail_profile="60E1", rolling_circle_distance=1.493)
+    parameters = ContactParameters(rail_profile="60E1")
     direct = ContactGeometry(
-        load_profile("wheel", "S1002"), load_profile("rail", "60E1"),
-        RailPlacement(rolling_circle_distance=1.493),
+        load_profile("wheel", "S1002"), load_profile("rail", "60E1"), RailPlacement(),
         reference_penetration=parameters.reference_penetration,
     )  # fmt: skip
     b, radius = 0.7465, 0.46
@@ -252,7 +250,7 @@ def test_out_of_the_tables_is_told(contact):
 
 
 def test_hertz_constant_overrides_the_profiles():
-    parameters = ContactParameters(hertz_constant=4.221e-8, rolling_circle_distance=1.493)
+    parameters = ContactParameters(hertz_constant=4.221e-8)
     row = WheelRailContact.build(parameters).evaluate(motion_of(Z=71.1e-6)).located[0, LEFT, TREAD]
     force, slope = normal_force(row[STIFFNESS], row[PENETRATION])
     # Eq. (1): 69.21 kN at 71.1 um, stiffness 1.459e9 N/m, both along the normal.

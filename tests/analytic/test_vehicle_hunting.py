@@ -41,12 +41,10 @@ def _first_order(parameters, system, stiffness, damping, loose):
     matrix[count : 2 * count, :count] = -inverse[:, None] * stiffness[pick]
     matrix[count : 2 * count, count : 2 * count] = -inverse[:, None] * damping[pick]
     if yaw_damper.damping > 0.0:
-        spring = yaw_damper.count_per_side * yaw_damper.series_stiffness
+        spring = yaw_damper.series_stiffness
         matrix[count : 2 * count, 2 * count :] = inverse[:, None] * rows
         matrix[2 * count :, count : 2 * count] = -spring * rows.T
-        matrix[2 * count :, 2 * count :] = (
-            -np.eye(4) * spring / (yaw_damper.count_per_side * yaw_damper.damping)
-        )
+        matrix[2 * count :, 2 * count :] = -np.eye(4) * spring / yaw_damper.damping
     return matrix
 
 

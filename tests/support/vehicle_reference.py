@@ -53,14 +53,6 @@ def solve(
     built_in_spin = -p.speed / p.wheelset.radius
     yaw, lateral, stop = p.yaw_damper, p.lateral_damper, p.lateral_bump_stop
     # Damper forces as elongations of their springs: one tolerance then fits all of the state.
-    # The dampers of a bogie side stand side by side.
-    yaw = yaw.replace(
-        count_per_side=1,
-        damping=yaw.count_per_side * yaw.damping,
-        blow_off_force=yaw.count_per_side * yaw.blow_off_force,
-        blow_off_damping=yaw.count_per_side * yaw.blow_off_damping,
-        series_stiffness=yaw.count_per_side * yaw.series_stiffness,
-    )
     force_unit = yaw.series_stiffness
 
     def rates(time: float, x: np.ndarray) -> np.ndarray:

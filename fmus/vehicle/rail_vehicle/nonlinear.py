@@ -16,13 +16,13 @@ ELEMENT_COUNT = 8
 def law_constants(parameters: VehicleParameters) -> NDArray[np.float64]:
     """Constants of the force laws: yaw damper (4), lateral damper (3), stop (3)."""
     yaw, lateral = parameters.yaw_damper, parameters.lateral_damper
-    stop, side_by_side = parameters.lateral_bump_stop, yaw.count_per_side
+    stop = parameters.lateral_bump_stop
     return np.array(
         [
-            side_by_side * yaw.damping,
-            side_by_side * yaw.blow_off_force,
-            side_by_side * yaw.blow_off_damping,
-            side_by_side * yaw.series_stiffness,
+            yaw.damping,
+            yaw.blow_off_force,
+            yaw.blow_off_damping,
+            yaw.series_stiffness,
             lateral.damping,
             lateral.blow_off_force,
             lateral.blow_off_damping,
@@ -42,7 +42,7 @@ def largest_slopes(parameters: VehicleParameters, stroke: float) -> NDArray[np.f
     stop = parameters.lateral_bump_stop
     slopes = np.zeros(2 * ELEMENT_COUNT)
     if yaw.damping > 0.0:
-        slopes[0:4] = yaw.count_per_side * yaw.series_stiffness
+        slopes[0:4] = yaw.series_stiffness
     slopes[6:8] = stop.stiffness + 3.0 * stop.cubic_stiffness * stroke**2
     slopes[12:14] = lateral.damping
     return slopes

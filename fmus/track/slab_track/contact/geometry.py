@@ -52,7 +52,7 @@ class RailPlacement:
     gauge: float = 1.435
     gauge_depth: float = 0.014
     cant: float = 0.025
-    rolling_circle_distance: float = 1.5
+    rolling_circle_distance: float = 1.493
     wheel_radius: float = 0.46
     axis_depth: float = 0.095
 

@@ -78,13 +78,13 @@ class ContactParameters(ParameterSet):
         0.46, "m", "Nominal rolling radius of the wheels", symbol="R_w", at_least=0.1, at_most=1.0
     )
     rolling_circle_distance: float = quantity(
-        1.5,
+        1.493,
         "m",
         "Lateral distance of the two rolling circles",
         at_least=0.5,
         at_most=2.5,
-        source="wheels 1360 mm back to back, for which S1002 is made; 1.493 with 1353 mm, "
-        "as on Chinese wheelsets, leaves S1002 a conicity of 0.03",
+        source="Chinese standard-gauge lines, wheels 1353 mm back to back; European wheelsets "
+        "with 1360 mm have 1.5",
     )
     reference_penetration: float = quantity(
         7e-5,
