@@ -37,10 +37,14 @@ _SHIFT = 2e-8
 force by some 1e-6 rad, 0.1 N."""
 
 _ITERATIONS = 60
-_SMALLEST_PART = 0.01
-"""Part of a step, halved again and again, at which the creep force is between a jump's ends."""
+_LOOSEST = 100.0
+"""Largest error accepted after many rounds, N: a thousandth of a wheel force."""
+
+_STEEPEST = 1e3
+"""Slope of the creep force over its own assumed value that counts as a jump."""
 
 _SLOWEST = 0.1
+"""Speed below which Kalker's slope stays, m/s."""
 
 
 @numba.njit(cache=True)
@@ -186,8 +190,8 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
-    last_change, part = np.zeros(2), np.ones(2)
-    for _ in range(_ITERATIONS):
+    last = np.zeros((2, 2))
+    for round_ in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
         inside = locate_wheel(tables, side, motion, rail, offset, located)
         error = _solve_normal(compliance, located, force, normal, creep)
@@ -200,25 +204,34 @@ def solve_wheel(
             patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
             if normal[patch] > 0.0:
                 change = answer[LATERAL_FORCE] - creep[patch]
-                damped = _damping(tables, motion, mobility, row, answer)
-                if change * last_change[patch] < 0.0:
-                    # Steeper than Kalker's slope, as on a flange: smaller steps.
-                    part[patch] *= 0.6
-                last_change[patch] = change
-                creep[patch] += part[patch] * change / (1.0 + damped)
+                fall = 1.0 + _damping(tables, motion, mobility, row, answer)
+                apart, turn = creep[patch] - last[patch, 0], change - last[patch, 1]
+                if round_ > 0 and turn * apart < 0.0:
+                    # Steeper than Kalker's slope, as on a flange: the slope seen.
+                    fall = max(fall, -turn / apart)
+                last[patch, 0], last[patch, 1] = creep[patch], change
+                creep[patch] += change / fall
                 # The true force lies between both values. FASTSIM's own force may jump by a per
                 # cent where a strip begins to slip earlier: then any value in the jump is true.
-                if part[patch] > _SMALLEST_PART:
+                if fall < _STEEPEST:
                     error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
+                else:
+                    error = max(error, abs(change / fall))
                 answer[LATERAL_FORCE] = creep[patch]
                 moved = abs(rail[0] - y) + abs(row[RAIL_ARM_Z] * (rail[2] - roll))
                 error = max(error, moved / _SHIFT * _TOLERANCE)
             else:
                 creep[patch] = 0.0
             add_resultants(row, answer, wheelset, force)
-        if error <= _TOLERANCE:
+        if error <= _tolerance(round_):
             return inside
     return False
+
+
+@numba.njit(cache=True)
+def _tolerance(round_):
+    """Error that ends the iteration, N: it grows where the creep force jumps to and fro."""
+    return min(_TOLERANCE * max(1.0, 1.25 ** (round_ - 12)), _LOOSEST)
 
 
 @numba.njit(cache=True)
