@@ -300,8 +300,8 @@ class YawDamper(ParameterSet):
         "N",
         "Force above which the damper blows off",
         symbol="F_yd",
-        source="at 0.03 m/s, as dampers of vehicles for 300 km/h do at 8 to 12 kN; with the 3 kN of "
-        "Hunting a lateral kick of 10 mm ends in hunting between the flanges at 300 km/h",
+        source="at 0.03 m/s, as dampers of vehicles for 300 km/h do at 8 to 12 kN; with the 3 kN "
+        "of Hunting a lateral kick of 10 mm ends in hunting between the flanges at 300 km/h",
     )
     blow_off_damping: float = _field(
         20.0e3, "N.s/m", "Damping above blow-off", symbol="C_yb", source="Hunting"
