@@ -365,7 +365,7 @@ class TrackModel:
         if made < substeps:
             raise TrackError(
                 f"at t = {state.time + made * internal:g} s, "
-                f"{self._where(path[made], offsets[made], wheels)}"
+                f"{self._where(path[made], wheels)}"
             )
         state = TrackState(
             time=end,
@@ -384,9 +384,9 @@ class TrackModel:
         )
         return state, TrackOutputs(wheels.wheelset, answers)
 
-    def _where(self, rows: np.ndarray, offsets: np.ndarray, wheels: WheelState) -> str:
+    def _where(self, rows: np.ndarray, wheels: WheelState) -> str:
         """Say what happened where, for the error after a failed internal step."""
-        rail = wheels.rail
+        rail, offsets = wheels.rail, self._offsets(rows[None, :, 0])[0]
         head = rail[..., 0] + self.parameters.rail.axis_depth * rail[..., 2] + offsets[..., 1]
         shift = np.abs(rows[:, None, 1] - head) / LATERAL_LIMIT
         turn = np.abs(rows[:, None, 3] - rail[..., 2]) / ROLL_LIMIT
