@@ -147,6 +147,13 @@ def run(
             metavar="CHANGE",
         ),
     ] = None,
+    final_speed: Annotated[
+        float | None,
+        typer.Option(
+            help="Speed at the end of the distance: the vehicle accelerates uniformly.",
+            metavar="KM/H",
+        ),
+    ] = None,
     irregularity: Annotated[
         str | None,
         typer.Option(
@@ -204,6 +211,7 @@ def run(
             speed=speed,
             distance=distance,
             until_steady=until_steady,
+            final_speed=final_speed,
             irregularity=irregularity,
             settings=settings or [],
             macro_step=macro_step,
@@ -291,7 +299,7 @@ def sweep(
 
 @app.command()
 def study(
-    name: Annotated[str, typer.Argument(help="critical-speed, table3, ... (see below).")],
+    name: Annotated[str, typer.Argument(help="critical-speed, table3, ... (see below), or all.")],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
         "."
@@ -329,10 +337,13 @@ def study(
 
     fig10: shape of that mode, for nominal and for winter fasteners.
 
-    fig08, fig09, fig11, fig12, fig13, fig14, fig15, table3: the article's figure
-    or table, with its own settings and with the converged defaults, and what its
-    text says of it as checks. All runs are kept in the folder points: after a
-    stop the same command goes on where it was.
+    fig07, fig08, fig09, fig11 to fig18, table3: the article's figure or table,
+    with its own settings and with the converged defaults, and what its text says
+    of it as checks. All runs are kept in the folder points: after a stop the same
+    command goes on where it was.
+
+    all: every study, one after the other; one that fails does not end it, but
+    then the exit status is 1.
 
     For example:
 
@@ -344,7 +355,7 @@ def study(
 
       rail-cosim study p2 --set vehicle.wheelset.mass=1500
     """
-    from rail_cosim.studies import StudyOptions, run_study
+    from rail_cosim.studies import ALL, STUDIES, StudyOptions, run_study
 
     with _plain_errors():
         options = StudyOptions(
@@ -353,12 +364,26 @@ def study(
             settings=settings or [],
             command=shlex.join(["rail-cosim", *sys.argv[1:]]),
         )
-        with _progress() as terminal:
-            result = run_study(name, options, terminal)
-        _out.print(result.table)
-        _out.print(result.conclusion, markup=False, highlight=False, soft_wrap=True)
-        for path in result.files:
-            print(path)
+        names = list(STUDIES) if name == ALL else [name]
+        problems: dict[str, str] = {}
+        for one in names:
+            try:
+                with _progress() as terminal:
+                    result = run_study(one, options, terminal)
+            except RailCosimError as error:
+                if name != ALL:
+                    raise
+                problems[one] = str(error)
+                _say_error(f"{one}: {error}")
+                continue
+            _out.print(result.table)
+            _out.print(result.conclusion, markup=False, highlight=False, soft_wrap=True)
+            for path in result.files:
+                print(path)
+        if name == ALL:
+            _out.print(f"{len(names) - len(problems)} of {len(names)} studies were done")
+        if problems:
+            raise RailCosimError("these studies failed: " + ", ".join(problems))
 
 
 @app.command()

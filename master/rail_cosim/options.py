@@ -35,6 +35,9 @@ class RunOptions:
         accelerations from slab to slab (see :mod:`rail_cosim.steady`); ``distance`` is then
         the largest way, and ``macro_step`` is shortened to the next whole part of a slab length.
         ``None`` for the whole way.
+    final_speed
+        Speed of the car body at the end of the distance in km/h, reached by uniform acceleration
+        from ``speed`` (the wheelsets follow on their suspension); ``None`` for a constant speed.
     irregularity
         A spectrum of the track FMU, ``rail_joint``, or a file (see
         :func:`rail_cosim.irregularity.irregularity_parameters`); ``None`` for the track's own.
@@ -58,6 +61,7 @@ class RunOptions:
     speed: float | None = None
     distance: float = 100.0
     until_steady: float | None = None
+    final_speed: float | None = None
     irregularity: str | None = None
     settings: Sequence[str] = ()
     macro_step: float = MACRO_STEP
@@ -73,9 +77,13 @@ class RunOptions:
             ("--macro-step", self.macro_step, "s"),
             ("--speed", self.speed, "km/h"),
             ("--until-steady", self.until_steady, ""),
+            ("--final-speed", self.final_speed, "km/h"),
         )
         for name, value, unit in limits:
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise ParameterError(name, value, f"must be greater than 0 {unit}".rstrip())
+        if self.final_speed is not None and self.until_steady is not None:
+            limit = "a run at changing speed does not become steady"
+            raise ParameterError("--final-speed", self.final_speed, limit, "omit --until-steady")
         if self.record_every < 1:
             raise ParameterError("--record-every", self.record_every, "must be at least 1")

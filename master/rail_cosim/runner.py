@@ -31,6 +31,7 @@ from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import read_preset
+from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorder import Recorder
 from rail_cosim.results import check_netcdf, check_writable, to_dataset, write_netcdf
 from rail_cosim.simulation import Outcome, Simulation
@@ -80,6 +81,7 @@ def run(
     speed: float | None = None,
     distance: float = 100.0,
     until_steady: float | None = None,
+    final_speed: float | None = None,
     irregularity: str | Path | None = None,
     settings: Mapping[str, Value] | None = None,
     macro_step: float = MACRO_STEP,
@@ -95,7 +97,7 @@ def run(
     ----------
     line, vehicle, track, distance, until_steady, macro_step, algorithm, record_every, out, plot
         As in :class:`RunOptions`.
-    speed
+    speed, final_speed
         In km/h, as on the command line.
     irregularity
         A spectrum of the track FMU, ``rail_joint``, or a file.
@@ -119,6 +121,7 @@ def run(
         speed=speed,
         distance=distance,
         until_steady=until_steady,
+        final_speed=final_speed,
         irregularity=None if irregularity is None else str(irregularity),
         settings=[f"{name}={value}" for name, value in (settings or {}).items()],
         macro_step=macro_step,
@@ -251,8 +254,11 @@ def simulate(
         speed = running_speed(system)
         recorder = Recorder(system.ports, every=options.record_every)
         step_size = _step_size(options, system, speed)
-        simulation = Simulation(system, algorithm, recorder, step_size=step_size)
+        ramp = _ramp(options, system, speed)
+        simulation = Simulation(system, algorithm, recorder, step_size=step_size, driver=ramp)
         steps = step_count(options.distance, speed, step_size)
+        if ramp is not None:
+            steps = ramp.step_count(step_size)
         stop = None
         if tolerance := options.until_steady:
             about = {"tolerance": tolerance, "speed": speed, "step_size": step_size}
@@ -266,10 +272,22 @@ def simulate(
             **run_attributes(outcome, algorithm, options.command),
             "line": options.line or "",
             "speed_km_h": speed / KM_H,
+            **({} if ramp is None else {"final_speed_km_h": options.final_speed}),
             **{k: v for slave in slaves for k, v in fmu_attributes(slave).items()},
             **fixed,
         }
         return to_dataset(system, recorder, attributes), outcome
+
+
+def _ramp(options: RunOptions, system: SystemStructure, speed: float) -> SpeedRamp | None:
+    if options.final_speed is None:
+        return None
+    return SpeedRamp(
+        system["vehicle"],
+        start=speed,
+        end=options.final_speed * KM_H,
+        distance=options.distance,
+    )
 
 
 def _step_size(options: RunOptions, system: SystemStructure, speed: float) -> float:
@@ -288,6 +306,8 @@ def _planned_time(
     """Return the planned end of the run as far as it is known before initialisation."""
     default = vehicle.variables[SPEED].start if SPEED in vehicle.variables else None
     speed = float(parameters["vehicle"].get(SPEED, default or 0.0))
+    if options.final_speed is not None:
+        speed = 0.5 * (speed + options.final_speed * KM_H)
     count = step_count(options.distance, speed, options.macro_step) if speed > 0.0 else 1
     return count * options.macro_step
 

@@ -42,6 +42,14 @@ class StopRule(Protocol):
         ...
 
 
+class Driver(Protocol):
+    """Sets inputs that no slave feeds."""
+
+    def apply(self, time: float, step_size: float) -> None:
+        """Set them for the step from ``time`` by ``step_size`` seconds."""
+        ...
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How a run ended.
@@ -96,6 +104,8 @@ class Simulation:
         What is stepped, how, and where it is recorded.
     step_size
         Macro step in s.
+    driver
+        Sets inputs of slaves before each step; ``None`` for nothing.
     """
 
     def __init__(
@@ -105,9 +115,10 @@ class Simulation:
         recorder: Recorder,
         *,
         step_size: float,
+        driver: Driver | None = None,
     ) -> None:
         self._system, self._algorithm, self._recorder = system, algorithm, recorder
-        self._step_size = step_size
+        self._step_size, self._driver = step_size, driver
         times = algorithm.input_times([slave.name for slave in system.slaves])
         self._energy = InterfaceEnergy(system, times, step_size)
         self._done = 0
@@ -159,6 +170,8 @@ class Simulation:
             due = recorder.due(step)
             for port in ports:
                 port.recorded = due
+            if self._driver is not None:
+                self._driver.apply((step - 1) * step_size, step_size)
             algorithm.step(ports, (step - 1) * step_size, step_size)
             energy.observe()
             if due:

@@ -6,11 +6,21 @@ import numpy as np
 import pytest
 import xarray as xr
 from rail_cosim.errors import RailCosimError
-from rail_cosim.studies import StudyOptions, article, fig11, run_study, table3
+from rail_cosim.studies import (
+    StudyOptions,
+    article,
+    fig11,
+    fig16,
+    fig17,
+    run_study,
+    table3,
+    zx_line,
+)
 from rail_cosim.studies.article import BAY, STIFFNESS, p2_frequency
-from rail_cosim.sweeps.quantities import STATISTICS
+from rail_cosim.sweeps.quantities import NAMES as STATISTIC_NAMES
 
 STEP = 5.032 / (200 / 3.6) / 900
+WHOLE = ("bogie_vertical_acceleration", "car_body_vertical_acceleration")
 PNG = b"\x89PNG"
 
 
@@ -34,17 +44,23 @@ def made(specification, *, error="", resonance=None):
     speed = xr.DataArray(axes["speed"].astype(float), dims="speed", coords={"speed": axes["speed"]})
     at = resonance(base) if resonance else 200.0
     peak = base * 10.0 / (1.0 + ((speed - at) / 30.0) ** 2)
-    data = xr.Dataset()
+    data = xr.Dataset(coords=axes)
     for variable, statistics in specification.keep.items():
         for statistic in statistics:
-            assert statistic in STATISTICS
+            assert statistic in STATISTIC_NAMES
             data[f"{variable}_{statistic}"] = (peak * 7e3 + 7e4) if "force" in variable else peak
-    time = STEP * np.arange(3601)
+    time = STEP * np.arange(12001)
     for variable in specification.history:
         wave = 5.0 * np.sin(2 * np.pi * 200 / 3.6 / 0.629 * time)
-        histories = np.broadcast_to(wave, (*specification.shape, len(time)))
-        data[f"{variable}_history"] = ((*axes, "record"), histories)
-        data["time_history"] = ((*axes, "record"), np.broadcast_to(time, histories.shape))
+        if variable == "distance":
+            wave = axes["speed"][0] / 3.6 * time
+        elif variable not in WHOLE:
+            wave = np.broadcast_to(wave[:, None, None], (len(time), 4, 2))
+        more = dims[-2:] if wave.ndim == 3 else ()
+        histories = np.broadcast_to(wave, (*specification.shape, *wave.shape))
+        data[f"{variable}_history"] = ((*axes, "record", *more), histories)
+        times = np.broadcast_to(time, (*specification.shape, len(time)))
+        data["time_history"] = ((*axes, "record"), times)
     data["steady"] = (tuple(axes), np.ones(specification.shape))
     texts = np.full(specification.shape, error, dtype=object)
     return data.assign(error=(tuple(axes), texts), remarks=(tuple(axes), np.full_like(texts, "")))
@@ -66,6 +82,7 @@ def asked(monkeypatch):
 
 
 NAMES = ["fig08", "fig11", "fig12", "fig13", "fig14", "fig15", "table3", "fig09"]
+NAMES += ["fig07", "fig16", "fig17", "fig18"]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -131,3 +148,39 @@ def test_quick_is_coarser_and_the_given_settings_win(asked, tmp_path):
     assert len(coarse.grid["speed"]) < len(whole.grid["speed"])
     assert set(coarse.grid[STIFFNESS]) <= set(whole.grid[STIFFNESS])
     assert whole.run["macro_step"] < coarse.run["macro_step"]
+
+
+def test_the_ridge_of_the_spectrogram_follows_the_slabs():
+    """A chirp at v(t)/5.67 m, as a vehicle that speeds up makes it."""
+    time = 2e-3 * np.arange(3001)
+    way = 83.0 * time + 0.5 * 2.0 * time**2
+    wave = 1e-4 * np.sin(2.0 * np.pi * way / zx_line.PITCH)
+    one = xr.Dataset(
+        {
+            f"{fig16.SPRING}_history": (("record", "wheelset", "side"), wave[:, None, None]),
+            "distance_history": ("record", way),
+            "time_history": ("record", time),
+        }
+    )
+    found, passing = fig16.ridge(one)
+    assert found == pytest.approx(passing, abs=0.13)  # lines are 0.25 Hz apart
+    _, speed, _, amplitudes = fig16.spectrogram(one)
+    assert speed[-1] - speed[0] > 5.0
+    assert amplitudes.max() == pytest.approx(1e-4, rel=0.1)
+
+
+def test_a_dip_at_a_joint_is_told_from_what_repeats_with_the_bays():
+    way = np.linspace(0.0, 4 * zx_line.PITCH, 4 * 900 + 1)
+    bays = 1e3 * np.cos(2.0 * np.pi * way / zx_line.BAY)
+    off = (way + 0.5 * zx_line.PITCH) % zx_line.PITCH - 0.5 * zx_line.PITCH
+
+    def dip(force):
+        values = (("record", "wheelset", "side"), force[:, None, None])
+        distance = ("record", way)
+        return fig17.dip(xr.Dataset({"normal_force_history": values, "distance_history": distance}))
+
+    assert dip(7e4 + bays) == pytest.approx(0.0, abs=1e-6)
+    hollow = -3e3 * np.exp(-((off / 0.9) ** 2))
+    # Each ninth harmonic, the bays' own, is taken out of the hollow too: next to nothing of it.
+    assert dip(7e4 + bays + hollow) == pytest.approx(3e3, rel=0.02)
+    assert dip(7e4 + bays - hollow) < 100.0

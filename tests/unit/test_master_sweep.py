@@ -357,3 +357,17 @@ def test_a_scheduler_that_does_not_answer_is_an_error(tmp_path, monkeypatch):
     monkeypatch.setattr("rail_cosim.sweeps.cluster._CONNECT", "0.5s")
     with pytest.raises(RailCosimError, match=r"tcp://127\.0\.0\.1:1.*no Dask scheduler"):
         run_plan(made_plan(), Store(tmp_path), Notes(), scheduler="tcp://127.0.0.1:1")
+
+
+def test_the_slab_part_is_what_does_not_repeat_from_bay_to_bay():
+    run = made_run()
+    x = run["distance"].to_numpy()
+    bays = 5.0 * np.sin(2 * np.pi * x / BAY) + 2.0 * np.cos(4 * np.pi * x / BAY)
+    slab = 0.7 * np.cos(2 * np.pi * 3 * x / (BAY * COUNT))
+    run["normal_force"][:] = (4.0 + bays + slab)[:, None, None]
+    found = evaluate(run, {"normal_force": ["slab_peak"]})["normal_force_slab_peak"]
+    assert found.to_numpy() == pytest.approx(0.7, rel=0.01)
+    assert found.attrs["units"] == "N"
+    del run.attrs["track.fastener.spacing"]
+    with pytest.raises(ParameterError, match="sleeper bay"):
+        evaluate(run, {"normal_force": ["slab_peak"]})

@@ -20,7 +20,10 @@ from rail_cosim.studies.base import StudyOptions, StudyResult, make_directory
 if TYPE_CHECKING:
     from rail_cosim.runner import Reporter
 
-__all__ = ["STUDIES", "StudyOptions", "StudyResult", "run_study", "study"]
+__all__ = ["ALL", "STUDIES", "StudyOptions", "StudyResult", "run_study", "study"]
+
+ALL = "all"
+"""On the command line: every study."""
 
 STUDIES = {
     "critical-speed": "speed above which a lateral offset no longer dies out",
@@ -37,6 +40,10 @@ STUDIES = {
     "table3": "resonance speed and frequency over the sleeper bay",
     "fig08": "accelerations of axle box, bogie and car body at 200 km/h",
     "fig09": "spectra of the axle-box acceleration in winter and summer",
+    "fig07": "random irregularity: sliding window and moving irregularity",
+    "fig16": "deflection of the primary suspension, and its spectrogram while speeding up",
+    "fig17": "wheel force and axle-box acceleration over slab joints",
+    "fig18": "slab passing over speed and stiffness of the mortar layer",
     "fig12": "axle-box acceleration at 200 km/h with winter pads",
 }
 """What there is, by name; the module of ``some-name`` is ``some_name``."""

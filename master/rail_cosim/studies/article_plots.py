@@ -16,6 +16,7 @@ _DPI = 200
 _GRID = {"visible": True, "lw": 0.3, "color": "0.8"}
 _WORDS = {"paper": "article's settings", "converged": "converged"}
 Draw = Callable[[Axes, xr.Dataset], None]
+_LOWEST = "_rail_cosim_lowest"
 
 
 def panels(
@@ -46,11 +47,22 @@ def panels(
         for axes in row[1:]:
             axes.set_ylabel("")
     for row in grid:
+        for axes in row:
+            if (lowest := getattr(axes, _LOWEST, None)) is not None:
+                axes.set_ylim(bottom=lowest)
         handles, labels = row[0].get_legend_handles_labels()
         if len(handles) > 1:
-            row[-1].legend(handles, labels, frameon=False, fontsize="small")
+            row[-1].legend(handles, labels, framealpha=0.8, edgecolor="none", fontsize="small")
     figure.suptitle(title, fontsize="medium", x=0.01, ha="left")
     figure.savefig(path, dpi=_DPI)
+
+
+def begin_at(axes: Axes, lowest: float) -> None:
+    """Let the vertical axis of a row begin at ``lowest``, once all its panels are drawn.
+
+    A limit set before would keep the axis from growing with the panels beside.
+    """
+    setattr(axes, _LOWEST, lowest)
 
 
 def curves(

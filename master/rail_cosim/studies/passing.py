@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rail_cosim.studies.article import BOX
+from rail_cosim.studies.article_plots import begin_at
 
 BOGIE, BODY = "bogie_vertical_acceleration", "car_body_vertical_acceleration"
 BAY, PITCH = 0.629, 8 * 0.629
@@ -64,7 +65,7 @@ def draw_spectrum(axes: Axes, data: xr.Dataset, speed: float, names: dict[str, s
         frequencies, found = lines(*record(data, name, speed))
         there = (frequencies > 0.0) & (frequencies <= _HIGHEST)
         axes.semilogy(frequencies[there], found[there], lw=1.0, label=label)
-    axes.set_ylim(bottom=1e-5)
+    begin_at(axes, 1e-5)
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("amplitude (m/s²)")
 

@@ -75,6 +75,8 @@ class Task:
             "keep": {name: list(statistics) for name, statistics in self.keep.items()},
             "history": [*self.history, self.history_every],
         }
+        if options.final_speed is not None:  # only then: keys of other runs stay as they are
+            content["final_speed"] = options.final_speed
         text = json.dumps(content, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -198,6 +200,7 @@ def _check_variables(
 
 _OPTIONS = {
     "speed": ("km/h", "running speed"),
+    "final_speed": ("km/h", "speed at the end of the distance"),
     "distance": ("m", "largest way of the leading wheelset"),
     "until_steady": ("1", "largest relative change from slab to slab"),
     "macro_step": ("s", "largest communication step"),

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rail_cosim.errors import UnknownNameError
+from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.summary import SETTLED_SHARE, distances, periods
 
 Array = NDArray[np.float64]
@@ -19,6 +19,17 @@ def _dominant_frequency(values: Array, step: float) -> Array:
     lines = np.abs(np.fft.rfft(values - values.mean(axis=0), axis=0))
     found = np.fft.rfftfreq(len(values), step)[lines.argmax(axis=0)]
     return np.where(lines.max(axis=0) > 0.0, found, np.nan)
+
+
+def _slab_peak(values: Array, bays: int) -> Array:
+    """Largest magnitude of what is left without the mean and what repeats from bay to bay.
+
+    Over one slab length the latter are the mean and the harmonics of the sleeper passing: each
+    ``bays``-th line.
+    """
+    lines = np.fft.rfft(values, axis=0)
+    lines[::bays] = 0.0
+    return np.abs(np.fft.irfft(lines, len(values), axis=0)).max(axis=0)
 
 
 STATISTICS: Mapping[str, tuple[Callable[[Array, float], Array], str, str]] = {
@@ -33,6 +44,12 @@ STATISTICS: Mapping[str, tuple[Callable[[Array, float], Array], str, str]] = {
 }
 """Function of records (first axis time) and time between them, unit ("" for the
 variable's own) and words, by name."""
+
+SLAB_PEAK = "slab_peak"
+"""Statistic of its own: it needs to know how many bays a slab has."""
+
+NAMES = (*STATISTICS, SLAB_PEAK)
+"""All statistics."""
 
 
 def last_slab(run: xr.Dataset) -> slice:
@@ -56,7 +73,7 @@ def evaluate(run: xr.Dataset, keep: Mapping[str, Sequence[str]]) -> xr.Dataset:
     run
         Dataset of a run, with two records or more.
     keep
-        Names of :data:`STATISTICS` by variable.
+        Names of :data:`NAMES` by variable.
 
     Returns
     -------
@@ -77,13 +94,24 @@ def evaluate(run: xr.Dataset, keep: Mapping[str, Sequence[str]]) -> xr.Dataset:
         dimensions = [d for d in records.dims if d != "time"]
         values = records.transpose("time", *dimensions).to_numpy()
         for statistic in statistics:
-            function, unit, words = STATISTICS[statistic]
+            function, unit, words = _statistic(statistic, run)
             about = {
                 "units": unit or records.attrs.get("units", "1"),
                 "long_name": f"{words} {records.attrs.get('long_name', name)}, last slab length",
             }
             found[f"{name}_{statistic}"] = (dimensions, function(values, step), about)
     return found.assign_coords({d: run[d] for d in found.dims if d in run.coords})
+
+
+def _statistic(name: str, run: xr.Dataset) -> tuple[Callable[[Array, float], Array], str, str]:
+    if name != SLAB_PEAK:
+        return STATISTICS[name]
+    bay, slab = periods(run)
+    if not bay > 0.0:
+        remedy = "leave this statistic out"
+        raise ParameterError("keep", name, "the track does not tell its sleeper bay", remedy)
+    words = "largest magnitude, without what repeats from bay to bay, of"
+    return lambda x, dt: _slab_peak(x, round(slab / bay)), "", words
 
 
 def histories(run: xr.Dataset, names: Sequence[str], every: int) -> xr.Dataset:

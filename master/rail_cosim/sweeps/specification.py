@@ -13,7 +13,7 @@ from typing import Any
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.options import RunOptions
 from rail_cosim.slave import Value
-from rail_cosim.sweeps.quantities import STATISTICS
+from rail_cosim.sweeps.quantities import NAMES
 
 RUN_OPTIONS = (
     "line",
@@ -22,6 +22,7 @@ RUN_OPTIONS = (
     "speed",
     "distance",
     "until_steady",
+    "final_speed",
     "irregularity",
     "macro_step",
     "algorithm",
@@ -56,7 +57,7 @@ class SweepSpecification:
     settings
         Parameter values by full name, common to all points.
     keep
-        Statistics (:data:`rail_cosim.sweeps.quantities.STATISTICS`) by variable of a run's
+        Statistics (:data:`rail_cosim.sweeps.quantities.NAMES`) by variable of a run's
         Dataset, over the last slab length.
     history
         Variables of which the records themselves are kept, each ``history_every``-th.
@@ -102,9 +103,9 @@ class SweepSpecification:
     def _check_kept(self) -> None:
         for variable, statistics in self.keep.items():
             for name in statistics:
-                if name not in STATISTICS:
+                if name not in NAMES:
                     raise UnknownNameError(
-                        f"keep.{variable}", name, STATISTICS, "statistic", name, listed=True
+                        f"keep.{variable}", name, NAMES, "statistic", name, listed=True
                     )
         if self.history_every < 1:
             raise ParameterError("history.every", self.history_every, "must be at least 1")
