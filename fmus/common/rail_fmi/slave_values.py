@@ -64,7 +64,7 @@ class ValueSlave(GuardedSlave):
             self._hold(error)
         self._store = VariableStore(self.table)
         self.reals = self._store.reals
-        self._buffer = memoryview(self.reals)
+        self._buffer = self.reals.data
         self.values: MutableMapping[str, Any] = ValueView(self._store)
         self.values[STATUS_MESSAGE.name] = self._run_error
 

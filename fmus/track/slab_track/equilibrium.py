@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
@@ -246,7 +246,8 @@ class _RestingWheelset:
             stride *= 2.0
             if stride > _SEARCH_LIMIT:
                 raise TrackError(BESIDE_THE_RAILS)
-        found = brentq(excess, near, far, xtol=1e-16, rtol=1e-14)
+        bracket = sorted((near, far))
+        found = root_scalar(excess, bracket=bracket, method="brentq", xtol=1e-16, rtol=1e-14).root
         excess(found)
         return wheels.rail_force[0].copy(), found
 

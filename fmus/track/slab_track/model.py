@@ -52,7 +52,7 @@ _NO_FORCE = (
     "the contact forces were not found; reduce integration.maximum_step or the communication "
     "step, and check that the wheelset motion is smooth"
 )
-_NEARLY = 0.98
+_NEARLY = 0.8
 """Part of the contact tables' limits at which a failed step counts as a derailment."""
 
 
@@ -364,8 +364,7 @@ class TrackModel:
         )
         if made < substeps:
             raise TrackError(
-                f"at t = {state.time + made * internal:g} s, "
-                f"{self._where(path[made], wheels)}"
+                f"at t = {state.time + made * internal:g} s, {self._where(path[made], wheels)}"
             )
         state = TrackState(
             time=end,
