@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
     from rail_cosim.sweeps import sweep as sweep
+    from rail_cosim.verification import verify as verify
 
-__all__ = ["build", "run", "study", "summarise", "sweep", "version"]
+__all__ = ["build", "run", "study", "summarise", "sweep", "verify", "version"]
 
 _HOME = {
     "build": "rail_cosim.builder",
@@ -24,6 +25,7 @@ _HOME = {
     "study": "rail_cosim.studies",
     "summarise": "rail_cosim.summary",
     "sweep": "rail_cosim.sweeps",
+    "verify": "rail_cosim.verification",
 }
 
 

@@ -423,6 +423,35 @@ def bench(
         _out.print(benchmark_table(found))
 
 
+@app.command()
+def verify(
+    out: Annotated[Path, typer.Option(help="Directory for the page.", metavar="DIR")] = Path("."),
+    full: Annotated[
+        bool, typer.Option("--full", help="With the longer runs: some minutes.")
+    ] = False,
+) -> None:
+    """Compare the product with everything that is known, and print the table.
+
+    Rail, slab, contact, P2 resonance, irregularities and vehicle from their own
+    packages, and coupled runs of both FMUs, each beside its reference with
+    source and tolerance; DIR/verification.html has it all with plots. Exit
+    status 1 if a value is beyond its tolerance.
+    """
+    from rail_cosim.verification import PAGE, execute_verification
+    from rail_cosim.verification.terminal import conclude, section_table
+
+    with _plain_errors():
+        command = shlex.join(["rail-cosim", *sys.argv[1:]])
+        with _progress() as terminal:
+            values = execute_verification(out, command, terminal, full=full)
+        for title, rows in values.sections.items():
+            _out.print(section_table(title, rows))
+        _out.print(conclude(values), markup=False, highlight=False, soft_wrap=True)
+        print(out / PAGE)
+    if values.failed:
+        raise typer.Exit(1)
+
+
 def _summary(dataset) -> None:
     from rail_cosim.summary import summarise
     from rail_cosim.tables import summary_table
