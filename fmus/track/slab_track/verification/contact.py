@@ -98,9 +98,9 @@ def _vertical() -> list[Row]:
         ("coned", coned, "4.57e-8 R^-0.149", 86.5, 1.200),
     ):
         source = _ZHAI.format(constant)
-        depth, hertz = 1e6 * _penetration(load, track.contact.hertz_constant_used), track
+        depth = 1e6 * _penetration(load, track.contact.hertz_constant_used)
         rows.append(row(f"penetration, {tread} tread", "um", micrometres, 1e-3, depth, source))
-        found = 1e-9 * hertz_stiffness(hertz)
+        found = 1e-9 * hertz_stiffness(track)
         rows.append(
             row(f"linearised stiffness, {tread} tread", "GN/m", stiffness, 1e-3, found, source)
         )
