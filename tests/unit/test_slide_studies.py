@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from rail_cosim.studies import fig06, slide
+from rail_cosim.studies import fig05, fig06, slide
 from rail_cosim.studies.base import StudyOptions
+from rail_cosim.studies.track_frequency import TrackTable
 
 
 def test_joint_lies_where_the_window_of_the_track_slides():
@@ -39,3 +40,54 @@ def test_slide_passes_below_its_limits_only():
     assert slide.passes("ring", 7e3, 70e3) == ""
     found = {"default": xr.DataArray([0.0, 9.0], dims="distance", coords={"distance": [0.0, 1.0]})}
     assert slide.conclude(found, 70e3).endswith("FAIL")
+
+
+def _fields(way_growth):
+    place = np.linspace(0.0, 65.0, 11)
+    target = np.array([np.sin(place), 10.0 * np.sin(place)])
+    after = np.array([target * (1.0 + growth) for growth in way_growth])
+    columns = {
+        "place": place,
+        "target": target,
+        "after": after,
+        "condition_number": np.ones(4),
+        "wheel_force_jump": np.zeros(4),
+    }
+    return TrackTable({}, {}, columns)
+
+
+@pytest.mark.parametrize(
+    ("growth", "verdicts"),
+    [
+        ((0.01, 0.0, 1e9, np.nan), "pass; the triangular solve diverges: pass"),
+        ((3.0, 0.0, 1e9, 0.0), "FAIL; the triangular solve diverges: pass"),
+        ((0.0, 0.0, 0.5, 0.0), "pass; the triangular solve diverges: FAIL"),
+    ],
+)
+def test_fig05_tells_a_field_that_diverges(growth, verdicts, tmp_path):
+    found = {"paper": _fields(growth), "default": _fields((0.0, 0.0, 0.0, 0.0))}
+    dataset = fig05.as_dataset(found, StudyOptions(out=tmp_path))
+    table, conclusion = fig05.report(dataset)
+    assert table.row_count == 8
+    assert f"least squares does not diverge: {verdicts}" in conclusion
+    assert dataset["deflection_jump"].sel(setting="paper").to_numpy()[0] == pytest.approx(
+        growth[0] * np.abs(np.sin(dataset["place"])).max()
+    )
+
+
+def test_square_eq_10_is_well_conditioned_at_the_middle_of_segments_only():
+    """Sines at these points are orthogonal; at a hinge, or with an end left out, singular."""
+    from slab_track import HD
+    from slab_track.rail import vertical_modes
+    from slab_track.slide_study import way_points
+
+    length, count = HD.window_length, HD.rail.mode_count
+    waves = vertical_modes(HD.rail, length).waves
+    condition = {
+        name: np.linalg.cond(waves.shapes(way_points(name, length, count, 320)))
+        for name in fig05.WAYS
+    }
+    assert condition["least_squares"] == pytest.approx(1.0, abs=1e-9)
+    assert condition["middle"] == pytest.approx(np.sqrt(2.0), abs=1e-9)
+    assert condition["hinges"] > 1e10
+    assert condition["end_left_out"] > 1e10

@@ -53,19 +53,27 @@ def sample_points(length: float, count: int) -> np.ndarray:
 
 
 def slide_operator(
-    rail: RailModes, *, length: float, shift: float, sample_count: int, solver: str
+    rail: RailModes,
+    *,
+    length: float,
+    shift: float,
+    sample_count: int,
+    solver: str,
+    points: np.ndarray | None = None,
 ) -> SlideOperator:
     """Compute the operator for a slide by ``shift`` metres.
 
     ``solver`` is "least_squares", eq. (11), or "triangular": the LU factors of the
-    square eq. (10), as the article's Fig. 5(a). A ring needs neither.
+    square eq. (10), as the article's Fig. 5(a). A ring needs neither. ``points`` are other
+    sample points than :func:`sample_points`, (M,), m.
     """
     common = np.linspace(shift, length, max(2, round((length - shift) / (0.05 * shift))))
     before, after = rail.waves.shapes(common), rail.waves.shapes(common - shift)
     if rail.waves.ring:
         turn = _rotation(rail.wave_number, shift)
         return SlideOperator(turn, turn, before, after, ring=True)
-    points = sample_points(length, sample_count)
+    if points is None:
+        points = sample_points(length, sample_count)
     inside = (points + shift <= length)[:, None]
 
     def matrix(shapes) -> np.ndarray:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from rail_cosim.studies.plots import _BLUE, _DPI, _GRID, _RED, _figure
@@ -46,4 +48,32 @@ def plot_joint(dataset: xr.Dataset, path: Path) -> None:
     lower.legend(frameon=False)
     for axis in (upper, lower):
         axis.grid(**_GRID)
+    figure.savefig(path, dpi=_DPI)
+
+
+def plot_fields(dataset: xr.Dataset, path: Path, labels: Mapping[str, str]) -> None:
+    """Draw the rail's acceleration after a slide, a row for each way of solving eq. (10)."""
+    ways, settings = dataset["way"].to_numpy(), dataset["setting"].to_numpy()
+    figure = _figure(9.6, 1.9 * len(ways) + 0.6)
+    axes = figure.subplots(len(ways), len(settings), sharex=True, squeeze=False)
+    place = dataset["place"].to_numpy()
+    for column, setting in enumerate(settings):
+        target = dataset["target_acceleration"].sel(setting=setting).to_numpy()
+        for row, way in enumerate(ways):
+            axis = axes[row, column]
+            values = dataset["acceleration"].sel(setting=setting, way=way).to_numpy()
+            axis.plot(place, values, color=_RED, lw=1.0, label="after the slide")
+            axis.plot(place, target, color=_BLUE, lw=0.8, label="before, moved")
+            if bool(dataset["diverges"].sel(setting=setting, way=way)):
+                end = np.floor(np.log10(np.nanmax(np.abs(values), initial=1e2)))
+                axis.set_yscale("symlog", linthresh=20.0)
+                axis.set_yticks([-(10.0**end), 0.0, 10.0**end])
+                axis.minorticks_off()
+            axis.set_title(f"{setting}: {labels[str(way)]}", loc="left", fontsize=9)
+            axis.grid(**_GRID)
+        axes[-1, column].set_xlabel("place in the window (m)")
+    figure.supylabel(
+        "acceleration of the rail (m/s²); where it diverges, logarithmic beyond 20", fontsize=9
+    )
+    axes[0, 0].legend(frameon=False, fontsize=8, loc="lower left")
     figure.savefig(path, dpi=_DPI)

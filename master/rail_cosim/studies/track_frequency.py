@@ -97,20 +97,29 @@ def _number(name: str, text: str) -> float:
         raise ParameterError(name, text, "must be a number") from None
 
 
-def compute(table: str, options: StudyOptions, *, wheelset: bool = False) -> TrackTable:
-    """Return a table computed by ``python -m slab_track.frequency``.
+def compute(
+    table: str,
+    options: StudyOptions,
+    *,
+    wheelset: bool = False,
+    module: str = MODULE,
+    line: str = "HD",
+) -> TrackTable:
+    """Return a table computed by ``python -m slab_track.frequency`` or another ``module``.
+
+    ``line`` names the parameter set of the track.
 
     Raises
     ------
     RailCosimError
         With what it says, if it fails.
     """
-    arguments = setting_arguments(options.settings, wheelset=wheelset)
+    arguments = [f"--line={line}", *setting_arguments(options.settings, wheelset=wheelset)]
     if options.quick:
         arguments.append("--quick")
     with tempfile.TemporaryDirectory(prefix="rail-cosim-") as folder:
         out = Path(folder, "table.json")
-        command = [sys.executable, "-m", MODULE, table, *arguments, "--out", str(out)]
+        command = [sys.executable, "-m", module, table, *arguments, "--out", str(out)]
         done = subprocess.run(
             command, capture_output=True, text=True, check=False, env=child_environment()
         )
@@ -118,7 +127,7 @@ def compute(table: str, options: StudyOptions, *, wheelset: bool = False) -> Tra
             said = done.stderr.strip().splitlines()
             reason = said[-1] if said else f"exit status {done.returncode}"
             kind = TrackRefusedError if done.returncode == 2 else RailCosimError
-            raise kind(reason.removeprefix(f"{MODULE}: error: "))
+            raise kind(reason.removeprefix(f"{module}: error: "))
         content = json.loads(out.read_text(encoding="utf-8"))
     columns = {name: _array(values) for name, values in content["columns"].items()}
     return TrackTable(content["about"], content["parameters"], columns)
