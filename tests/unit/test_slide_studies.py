@@ -89,5 +89,7 @@ def test_square_eq_10_is_well_conditioned_at_the_middle_of_segments_only():
     }
     assert condition["least_squares"] == pytest.approx(1.0, abs=1e-9)
     assert condition["middle"] == pytest.approx(np.sqrt(2.0), abs=1e-9)
+    middle = way_points("middle", length, count, 320)
+    assert np.max(np.abs(waves.rotation_shapes(middle)[-1])) < 1e-9  # the rotation's is singular
     assert condition["hinges"] > 1e10
     assert condition["end_left_out"] > 1e10

@@ -1,7 +1,8 @@
 """Fig. 5: the rail before and after a slide, by the triangular solve and by least squares.
 
 The article finds that the triangular solve of eq. (10) diverges at the end of the window. That
-depends on the sample points, which it does not name; here are three sets.
+depends on the sample points, which it does not name; here are three sets. Seen is the deflection at
+the slide: at the middle of segments the rotation's square system is singular all the same.
 """
 
 from __future__ import annotations
@@ -115,5 +116,5 @@ def conclude(dataset: xr.Dataset) -> str:
     return (
         f"least squares does not diverge: {'pass' if plain else 'FAIL'}; the triangular solve "
         f"diverges: {'pass' if bad else 'FAIL'}, with some sample points "
-        f"(diverges: {'; '.join(bad) or 'none'}. Does not: {'; '.join(good) or 'none'})"
+        f"(deflection diverges: {'; '.join(bad) or 'none'}. Does not: {'; '.join(good) or 'none'})"
     )
