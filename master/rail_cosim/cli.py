@@ -317,8 +317,8 @@ def study(
     """Do a study: prints its table and result, writes data (NetCDF) and plot.
 
     critical-speed: runs at rising speeds on smooth track, the vehicle starting
-    5 mm off the middle, and narrows down the speed from which on this does not
-    die out. To be quick it takes few modes and long steps; --set wins over that.
+    10 mm off the middle with flanges touching, and narrows down the speed from
+    which on this does not die out. To be quick it takes few modes and long steps; --set wins over that.
 
     contact-geometry: rolling-radius difference, contact angle and contact points
     of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
