@@ -91,7 +91,7 @@ def test_equals_the_transform_of_the_vertical_impulse_response():
     wanted = columns(receptance(HD, warped, places[:1], places))
     left = relative(found[..., 1], wanted)
     assert left[:, 0, LEFT].max() < 3e-5
-    assert left.max() < 4e-4
+    assert left.max() < 8e-4
 
 
 @pytest.mark.parametrize("load", [LATERAL, ROLL])
@@ -105,7 +105,7 @@ def test_equals_the_transform_of_the_lateral_impulse_response(load):
     scale = np.abs(wanted).max(axis=(0, 1))
     assert (np.abs(found - plain) / scale).max() < 0.01
     # The time domain tabulates the compliance under a wheel between the fasteners.
-    assert (np.abs(found - wanted) / scale).max() < 4e-4
+    assert (np.abs(found - wanted) / scale).max() < 8e-4
 
 
 # -- statics -----------------------------------------------------------------------

@@ -248,7 +248,7 @@ def test_long_hold_reaches_the_dense_static_solution():
         inside = to_head @ rows @ dense.amplitudes(model.lateral, state.rails[side, 0])
         np.testing.assert_allclose(inside, exact, rtol=1e-5)
         # What is told adds the last step's wheel force through the table.
-        np.testing.assert_allclose(found[-1, side], exact, rtol=1e-4)
+        np.testing.assert_allclose(found[-1, side], exact, rtol=3e-4)
 
 
 def rail_energy(parameters, model, state):
