@@ -318,7 +318,8 @@ def study(
 
     critical-speed: runs at rising speeds on smooth track, the vehicle starting
     10 mm off the middle with flanges touching, and narrows down the speed from
-    which on this does not die out. To be quick it takes few modes and long steps; --set wins over that.
+    which on this does not die out. To be quick it takes few modes and long steps;
+    --set wins over that.
 
     contact-geometry: rolling-radius difference, contact angle and contact points
     of a wheelset from -8 to 8 mm, and the equivalent conicity at 3 mm.
