@@ -327,6 +327,9 @@ def study(
     slide: how much a wheel force changes with the place of the slides, for several
     ways of sliding; passes below 0.01 % of the static load at 300 km/h.
 
+    fig05: the rail before and after a slide, by least squares and by the
+    triangular solve of eq. (10).
+
     fig06: rail joint at the instant of a slide, sliding window and ring against a
     moving mass in a long window.
 

@@ -48,6 +48,7 @@ def interrupted(fmus, file):
     os.close(end)
     try:
         seen = read_until(terminal, b"stepping", 120.0)
+        time.sleep(2.0)  # the word comes just before the first step
         process.send_signal(signal.SIGINT)
         seen += rest(terminal)
         out, _ = process.communicate(timeout=60)

@@ -30,7 +30,7 @@ REFUSED = {
     ),
     "no such choice": (
         ["--set", "track.window.method=slide"],
-        ["track.window.method = 'slide'", "sliding, moving_mass", "mean sliding"],
+        ["track.window.method = 'slide'", "sliding, cyclic, moving_mass", "mean sliding"],
     ),
     "half a mode": (
         ["--set", "track.rail.mode_count=1.5"],
