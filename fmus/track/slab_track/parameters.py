@@ -296,8 +296,8 @@ class Window(ParameterSet):
     slide_solver: str = quantity(
         "least_squares",
         "1",
-        "How eq. (10) is solved: least_squares, eq. (11), or triangular (needs as many "
-        "samples as modes)",
+        "How eq. (10) is solved: least_squares, eq. (11), or triangular (as many samples as "
+        "modes; it diverges within a few slides and is there to show that)",
         choices=("least_squares", "triangular"),
     )
     sample_count: int = quantity(
