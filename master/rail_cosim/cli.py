@@ -327,6 +327,13 @@ def study(
     slide: how much a wheel force changes with the place of the slides, for several
     ways of sliding; passes below 0.01 % of the static load at 300 km/h.
 
+    convergence: errors of wheel force and axle-box acceleration over the number of
+    rail modes and of slab modes, with and without the compliance of those left out,
+    and independent finite elements beside them.
+
+    table1: moving mass, moving irregularity, sliding window and ring: how far each
+    comes, what it sees of the fasteners, what it costs.
+
     fig05: the rail before and after a slide, by least squares and by the
     triangular solve of eq. (10).
 

@@ -239,6 +239,10 @@ class FmuSlave:
         """Release a handle of :meth:`save_state`."""
         self._call("freeFMUstate", state)
 
+    def state_size(self, state: ctypes.c_void_p) -> int:
+        """Return the length of a saved state in bytes, written out in full."""
+        return len(self._call("serializeFMUstate", state))
+
     def take_warnings(self) -> list[str]:
         """Return warnings that were not returned before."""
         return self._log.take_warnings()

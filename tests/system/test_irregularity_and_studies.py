@@ -66,3 +66,19 @@ def test_critical_speed_of_the_default_pair(fmus, tmp_path):
     assert 400.0 <= found.attrs["lowest_unstable_speed_km_h"] <= 500.0
     assert "critical speed" in done.stdout
     assert (tmp_path / "critical_speed.png").stat().st_size > 10_000
+
+
+def test_table_1_is_measured_with_both_fmus(fmus, tmp_path):
+    few = ["--set", "track.slab.mode_count=12", "--set", "track.rail.motion=vertical"]
+    done = fmus.command("study", "table1", "--quick", "--out", tmp_path, *few, timeout=600)
+    assert "of 9 ratings of the article are found" in " ".join(done.stdout.split())
+    with xr.open_dataset(tmp_path / "table1.nc", engine="h5netcdf") as file:
+        found = file.load()
+    assert 15.0 < float(found["way"].sel(model="moving_mass")) < 25.0
+    share = found["sleeper_amplitude"] / found["sleeper_amplitude"].sel(model="sliding")
+    assert float(share.sel(model="moving_irregularity")) < 0.01
+    assert float(share.sel(model="moving_mass")) == pytest.approx(1.0, abs=1e-3)
+    load = found.attrs["static_wheel_load"]
+    assert float(found["difference"].sel(model="moving_mass_long")) < 1e-4 * load
+    assert float(found["difference"].sel(model="cyclic")) < 3e-4 * load
+    assert (found["state_size"] > 10_000).all()

@@ -115,7 +115,7 @@ def test_table_3_passes_where_the_speeds_are_the_stated_ones_and_not_elsewhere(a
     asked[0].more = {"resonance": resonance}
     result = run_study("table3", StudyOptions(out=tmp_path), Quietly())
     assert result.conclusion.startswith(
-        "18 of 18 statements hold with the paper settings; 0 of 18 statements hold"
+        "20 of 20 statements hold with the paper settings; 2 of 20 statements hold"
     )
 
 

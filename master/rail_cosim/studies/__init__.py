@@ -29,6 +29,8 @@ STUDIES = {
     "critical-speed": "speed above which a lateral offset no longer dies out",
     "contact-geometry": "contact of wheel and rail over the wheelset's lateral displacement",
     "slide": "disturbance of the wheel forces by the slides, over the ways of sliding",
+    "convergence": "error over the number of rail and slab modes, with and without residual",
+    "table1": "Table 1: moving mass, moving irregularity, sliding window and ring, measured",
     "fig05": "Fig. 5: rail before and after a slide, triangular solve and least squares",
     "fig06": "Fig. 6: rail joint at the instant of a slide, sliding window and moving mass",
     "receptance": "receptance of the rail heads from 2 Hz to 2 kHz",

@@ -155,20 +155,27 @@ def attributes(
 
 
 def _specification(study: ArticleStudy, options: StudyOptions) -> SweepSpecification:
-    settings: dict[str, Value] = {"track.contact.model": "vertical", **study.settings}
+    settings, run = specification_settings(options, study.settings)
+    return SweepSpecification(
+        grid={"line": list(SETTINGS), **study.grid},
+        settings=settings,
+        run={**run, **study.run},
+        keep=study.keep,
+        history=study.history,
+    )
+
+
+def specification_settings(
+    options: StudyOptions, own: Mapping[str, Value]
+) -> tuple[dict[str, Value], dict[str, Any]]:
+    """Return parameters and options of a study's runs; what the user gives wins."""
+    settings: dict[str, Value] = {"track.contact.model": "vertical", **own}
     if options.quick:
         settings.setdefault(*_QUICK_STEP)
     for text in options.settings:
         name, _, value = text.partition("=")
         settings[name.strip()] = value.strip()
-    run = {**(_QUICK if options.quick else _RUN), **study.run}
-    return SweepSpecification(
-        grid={"line": list(SETTINGS), **study.grid},
-        settings=settings,
-        run=run,
-        keep=study.keep,
-        history=study.history,
-    )
+    return settings, dict(_QUICK if options.quick else _RUN)
 
 
 def _refuse_failures(dataset: xr.Dataset) -> None:
@@ -220,6 +227,14 @@ def conclude(checks: Sequence[Check], dataset: xr.Dataset) -> str:
 # What several studies look at
 
 
+def tendency(
+    name: str, rule: Callable[[xr.Dataset], float], data: xr.Dataset, stated: str = "yes"
+) -> Check:
+    """Return the check of a statement that holds (1) or does not (0) with either setting."""
+    found = both(rule, data)
+    return Check(name=f"{name} (1: yes)", stated=stated, found=found, low=1.0, digits=0)
+
+
 def both(
     function: Callable[[xr.Dataset], float | xr.DataArray], data: xr.Dataset
 ) -> dict[str, float]:
@@ -240,6 +255,15 @@ def resonance_speed(data: xr.Dataset) -> xr.DataArray:
 def rises(values: Sequence[float] | np.ndarray | xr.DataArray) -> float:
     """Return 1 if each value is above the one before, else 0."""
     return float(np.all(np.diff(np.asarray(values)) > 0.0))
+
+
+def grows(values: Sequence[float] | np.ndarray | xr.DataArray) -> float:
+    """Return 1 if no value is below the one before and the last above the first, else 0.
+
+    What :func:`rises` asks for is too much of speeds on a grid.
+    """
+    numbers = np.asarray(values)
+    return float(np.all(np.diff(numbers) >= 0.0) and numbers[-1] > numbers[0])
 
 
 def falls(values: Sequence[float] | np.ndarray | xr.DataArray) -> float:

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 _DPI = 200
 _GRID = {"visible": True, "lw": 0.3, "color": "0.8"}
 _WORDS = {"paper": "article's settings", "converged": "converged"}
+_INSIDE = 4  # more entries of a legend than these stand beside the panels
 Draw = Callable[[Axes, xr.Dataset], None]
 _LOWEST = "_rail_cosim_lowest"
 
@@ -51,7 +52,10 @@ def panels(
             if (lowest := getattr(axes, _LOWEST, None)) is not None:
                 axes.set_ylim(bottom=lowest)
         handles, labels = row[0].get_legend_handles_labels()
-        if len(handles) > 1:
+        if len(handles) > _INSIDE:
+            outside = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5)}
+            row[-1].legend(handles, labels, frameon=False, fontsize="small", **outside)
+        elif len(handles) > 1:
             row[-1].legend(handles, labels, framealpha=0.8, edgecolor="none", fontsize="small")
     figure.suptitle(title, fontsize="medium", x=0.01, ha="left")
     figure.savefig(path, dpi=_DPI)

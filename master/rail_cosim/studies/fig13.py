@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from rail_cosim.runner import Reporter
 from rail_cosim.studies import article
-from rail_cosim.studies.article import BOX, DAMPING, FORCE, STIFFNESS, Check
+from rail_cosim.studies.article import DAMPING, FORCE, STIFFNESS, Check
 from rail_cosim.studies.article_plots import curves, panels
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.sweeps import steps
@@ -28,7 +28,6 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
             "speed": steps("speed", 80.0, 400.0, 20.0 if options.quick else 5.0),
         },
         settings={STIFFNESS: 200e6},
-        keep={FORCE: ("max", "min", "lift_off_time"), BOX: ("peak", "dominant_frequency")},
         checks=checks,
         draw=draw,
     )

@@ -6,6 +6,7 @@ import contextlib
 import logging
 import os
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -111,12 +112,17 @@ def connected(scheduler: str | Client | None, workers: int) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep Dask's own log off the terminal while the cluster comes and goes."""
+    """Keep Dask's own log off the terminal while the cluster comes and goes.
+
+    So it is with its warning that another sweep has the usual port of its status page.
+    """
     logger = logging.getLogger("distributed")
     before = logger.level
     logger.setLevel(logging.CRITICAL)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", message="Port .* is already in use")
+            yield
     finally:
         logger.setLevel(before)
 
