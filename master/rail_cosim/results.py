@@ -85,25 +85,26 @@ def to_dataset(
     attributes
         Attributes of the Dataset; truth values become 0 and 1.
     """
-    dataset = xr.Dataset(attrs={k: _attribute(v) for k, v in attributes.items()})
-    dataset["time"] = ("time", recorder.times, {"units": "s", "long_name": "time"})
+    # All at once: a Dataset that grows by one variable is merged anew each time.
+    found: dict[str, xr.Variable] = {}
     for slave in system.slaves:
         names, values = recorder.values(slave.name)
         for variable, members in _group(names).items():
-            key = f"{variable}_{slave.name}" if variable in dataset else variable
+            key = f"{variable}_{slave.name}" if variable in found else variable
             about = slave.variables[names[members[0][0]]]
-            array = _array(values, members, about.unit, about.description)
-            whole = about.kind == "integer" and bool(array.notnull().all())
-            dataset[key] = array.astype(np.int32) if whole else array
-        if LEADING_POSITION in names and "distance" not in dataset:
+            array = _variable(values, members, about.unit, about.description)
+            whole = about.kind == "integer" and not np.isnan(array.to_numpy()).any()
+            found[key] = array.astype(np.int32) if whole else array
+        if LEADING_POSITION in names and "distance" not in found:
             position = values[:, names.index(LEADING_POSITION)]
             meaning = "distance travelled by the leading wheelset"
-            dataset["distance"] = (
-                "time",
-                position - position[:1].sum(),
-                {"units": "m", "long_name": meaning},
-            )
-    return _with_coordinates(dataset)
+            about = {"units": "m", "long_name": meaning}
+            found["distance"] = xr.Variable("time", position - position[:1].sum(), about)
+    times = xr.Variable("time", recorder.times, {"units": "s", "long_name": "time"})
+    dataset = xr.Dataset(found, coords={"time": times})
+    return _with_coordinates(
+        dataset.assign_attrs({k: _attribute(v) for k, v in attributes.items()})
+    )
 
 
 def _group(names: tuple[str, ...]) -> dict[str, list[tuple[int, Place]]]:
@@ -114,9 +115,9 @@ def _group(names: tuple[str, ...]) -> dict[str, list[tuple[int, Place]]]:
     return groups
 
 
-def _array(
+def _variable(
     values: np.ndarray, members: list[tuple[int, Place]], unit: str, meaning: str
-) -> xr.DataArray:
+) -> xr.Variable:
     dimensions = members[0][1].dimensions
     counts = [max(where.indices[i] for _, where in members) + 1 for i in range(len(dimensions))]
     if "side" in dimensions:
@@ -125,7 +126,7 @@ def _array(
     for column, where in members:
         data[(slice(None), *where.indices)] = values[:, column]
     about = {"units": unit or "1", "long_name": _general(meaning)}
-    return xr.DataArray(data, dims=("time", *dimensions), attrs=about)
+    return xr.Variable(("time", *dimensions), data, about)
 
 
 def _general(meaning: str) -> str:

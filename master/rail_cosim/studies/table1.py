@@ -220,7 +220,7 @@ def _figures(
         "slab_amplitude": number(float(slabs.mean()), "N", "at slab passing"),
         "difference": number(float(clean.max()), "N", "largest, third slab, from sliding"),
         "whole_difference": number(float(settled.max()), "N", "largest, from the third slab on"),
-        "felt_at": number(float(ways[felt[0]]) if len(felt) else math.nan, "m", "the end is felt from"),
+        "felt_at": number(ways[felt[0]] if len(felt) else math.nan, "m", "the end is felt from"),
         "cpu": number(cpu, "s", "CPU time of the pair per slab length"),
         "cpu_ratio": number(cpu / least, "1", "CPU time over the sliding window's"),
         "degrees_of_freedom": number(one.degrees, "1", "of the track, vertical"),
