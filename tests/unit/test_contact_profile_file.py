@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from rail_quantities import ParameterError
+from slab_track import TrackParameters
+from slab_track.assembly import assemble
 from slab_track.contact import ContactParameters, build_tables, load_profile
 from slab_track.contact.builtin_profiles import rail_60e1, wheel_s1002
+from slab_track.parameters import Fastener, Rail, Slab
 
 
 def write(path, y, z, header="# measured\n", separator=" "):
@@ -146,3 +149,25 @@ def test_parameters_are_checked():
         ContactParameters(friction_coefficient=1.5)
     with pytest.raises(ParameterError, match=r"contact.fastsim_strips = 1"):
         ContactParameters(fastsim_strips=1)
+
+
+def test_tables_are_kept_until_a_profile_s_file_changes(tmp_path):
+    """Runs at many speeds in one process share them; a new measurement is read anew."""
+    y = np.linspace(-0.0362, 0.0362, 900)
+    heights = 1e3 * rail_60e1().derivative(y)
+    path = write(tmp_path / "r.txt", 1e3 * y, heights)
+    first = build_tables(ContactParameters(rail_profile=path))
+    assert build_tables(ContactParameters(rail_profile=path)) is first
+    assert build_tables(ContactParameters(rail_profile=path), cant=0.05) is not first
+    assert build_tables(ContactParameters(rail_profile=path), cant=0.025) is first
+    write(tmp_path / "r.txt", 1e3 * y, heights + 0.02 * y * 1e3)
+    second = build_tables(ContactParameters(rail_profile=path))
+    assert np.abs(second.patch - first.patch).max() > 1e-4
+
+
+def test_the_linear_track_is_kept_for_equal_parameters():
+    few = {"rail": Rail(mode_count=60), "slab": Slab(mode_count=6)}
+    track = assemble(TrackParameters(**few))
+    assert assemble(TrackParameters(**few)) is track
+    other = assemble(TrackParameters(**few, fastener=Fastener(vertical_damping=10e3)))
+    assert other is not track

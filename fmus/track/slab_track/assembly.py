@@ -14,6 +14,7 @@ static. A sharp end of the modal series would surround every force with a ripple
 out like 1/x, along the whole window; it is cut off when the window slides.
 """
 
+import functools
 from typing import NamedTuple
 
 import numpy as np
@@ -207,8 +208,9 @@ def _positive(compliance: np.ndarray) -> np.ndarray:
     return (vectors * np.maximum(values, 0.0)) @ vectors.T
 
 
+@functools.lru_cache(maxsize=2)  # runs at several speeds in one process, as in a sweep
 def assemble(parameters: TrackParameters) -> LinearTrack:
-    """Build the linear track of a window from its parameters."""
+    """Build the linear track of a window from its parameters; the last ones are kept."""
     count, ring = parameters.fastener_count, parameters.ring
     length, modes = parameters.window_length, parameters.rail.mode_count
     rail = vertical_modes(parameters.rail, length, ring=ring)

@@ -12,6 +12,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -95,7 +96,7 @@ class ArticleStudy:
     title: str
     grid: Mapping[str, Sequence[Value]]
     checks: Callable[[xr.Dataset], list[Check]]
-    draw: Callable[[xr.Dataset, Any], None]
+    draw: Callable[[xr.Dataset, Path], None]
     settings: Mapping[str, Value] = dataclasses.field(default_factory=dict)
     run: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     keep: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=lambda: dict(KEPT))
@@ -110,16 +111,30 @@ def carry_out(study: ArticleStudy, options: StudyOptions, reporter: Reporter) ->
     RailCosimError
         If a point cannot be run, or files cannot be written.
     """
-    data, picture = options.out / f"{study.name}.nc", options.out / f"{study.name}.png"
-    check_netcdf(data)
+    check_netcdf(_files(study, options)[0])
     dataset = compute(study, options, reporter)
-    checks = study.checks(dataset)
+    return write_up(study, options, dataset, study.checks(dataset), study.draw)
+
+
+def write_up(
+    study: ArticleStudy,
+    options: StudyOptions,
+    dataset: xr.Dataset,
+    checks: Sequence[Check],
+    draw: Callable[[xr.Dataset, Path], None],
+) -> StudyResult:
+    """Write data and plot; return the checks."""
+    data, picture = _files(study, options)
     dataset.attrs |= attributes(study, options, checks)
     write_netcdf(dataset, data)
-    study.draw(dataset, picture)
+    draw(dataset, picture)
     return StudyResult(
         table=table(study, checks), conclusion=conclude(checks, dataset), files=[data, picture]
     )
+
+
+def _files(study: ArticleStudy, options: StudyOptions) -> tuple[Path, Path]:
+    return options.out / f"{study.name}.nc", options.out / f"{study.name}.png"
 
 
 def compute(study: ArticleStudy, options: StudyOptions, reporter: Reporter) -> xr.Dataset:

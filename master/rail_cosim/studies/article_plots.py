@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,7 @@ _GRID = {"visible": True, "lw": 0.3, "color": "0.8"}
 _WORDS = {"paper": "article's settings", "converged": "converged"}
 _INSIDE = 4  # more entries of a legend than these stand beside the panels
 Draw = Callable[[Axes, xr.Dataset], None]
+_HIGHEST = 400.0  # Hz
 _LOWEST = "_rail_cosim_lowest"
 
 
@@ -67,6 +69,16 @@ def begin_at(axes: Axes, lowest: float) -> None:
     A limit set before would keep the axis from growing with the panels beside.
     """
     setattr(axes, _LOWEST, lowest)
+
+
+def spectrum_line(
+    axes: Axes, frequencies: np.ndarray, amplitudes: np.ndarray, *, lowest: float, **style: Any
+) -> None:
+    """Draw a spectrum from 1 to 400 Hz, amplitudes on a logarithmic scale from ``lowest`` on."""
+    there = (frequencies > 1.0) & (frequencies <= _HIGHEST)
+    axes.semilogy(frequencies[there], amplitudes[there], lw=0.9, **style)
+    begin_at(axes, lowest)
+    axes.set_xlabel("frequency (Hz)")
 
 
 def curves(

@@ -11,8 +11,9 @@ from matplotlib.axes import Axes
 from rail_cosim.runner import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import FORCE, Check
-from rail_cosim.studies.article_plots import begin_at, panels
+from rail_cosim.studies.article_plots import panels, spectrum_line
 from rail_cosim.studies.base import StudyOptions, StudyResult
+from rail_cosim.summary import spectrum
 
 METHOD = "track.window.method"
 _NAMES = {"sliding": "sliding window", "moving_irregularity": "moving irregularity"}
@@ -20,7 +21,6 @@ _STYLES = {"sliding": ("-", "#0072B2"), "moving_irregularity": ("--", "#D55E00")
 _SPEED, _BAY = 300.0, 0.629
 _LEAD = 30.0  # m; the irregularity grows from nothing over the first 20
 _SHOWN = 20.0  # m
-_HIGHEST = 400.0  # Hz
 
 
 def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
@@ -51,13 +51,6 @@ def signal(data: xr.Dataset, method: str) -> tuple[np.ndarray, np.ndarray, np.nd
     time = one["time_history"].to_numpy()
     there = np.isfinite(force) & (way >= _LEAD)
     return time[there], way[there], force[there]
-
-
-def spectrum(time: np.ndarray, force: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies (Hz) and amplitudes (N), Hann window."""
-    window = np.hanning(len(force) + 1)[:-1]
-    found = np.abs(np.fft.rfft((force - force.mean()) * window)) * 2.0 / window.sum()
-    return np.fft.rfftfreq(len(force), (time[-1] - time[0]) / (len(time) - 1)), found
 
 
 def at_sleepers(data: xr.Dataset, method: str) -> float:
@@ -128,22 +121,13 @@ def draw(data: xr.Dataset, path: Path) -> None:
         for method, label in _NAMES.items():
             style, colour = _STYLES[method]
             moment, _, force = signal(one, method)
-            _line(axes, spectrum(moment, force), style, colour, label)
+            about = {"ls": style, "color": colour, "label": label}
+            spectrum_line(axes, *spectrum(moment, force), lowest=1.0, **about)
         axes.set_ylabel("amplitude (N)")
 
     def apart(axes: Axes, one: xr.Dataset) -> None:
-        _line(axes, spectrum(*difference(one)), "-", "0.2", "difference")
+        spectrum_line(axes, *spectrum(*difference(one)), lowest=1.0, color="0.2")
         axes.axvline(_SPEED / 3.6 / _BAY, ymax=0.06, color="#D55E00", lw=2.0)
         axes.set_ylabel("amplitude of the difference (N)")
 
     panels(data, [time, frequency, apart], path, title=data.attrs["title"])
-
-
-def _line(
-    axes: Axes, found: tuple[np.ndarray, np.ndarray], style: str, colour: str, label: str
-) -> None:
-    frequencies, amplitudes = found
-    there = (frequencies > 1.0) & (frequencies <= _HIGHEST)
-    axes.semilogy(frequencies[there], amplitudes[there], style, color=colour, lw=0.9, label=label)
-    begin_at(axes, 1.0)
-    axes.set_xlabel("frequency (Hz)")

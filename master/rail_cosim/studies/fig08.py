@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import xarray as xr
-from matplotlib.axes import Axes
 
 from rail_cosim.runner import Reporter
 from rail_cosim.studies import article, passing
 from rail_cosim.studies.article import BOX, STIFFNESS, Check
-from rail_cosim.studies.article_plots import panels
 from rail_cosim.studies.base import StudyOptions, StudyResult
 
 _SPEED = 200.0
 _NAMES = {BOX: "axle box", passing.BOGIE: "bogie", passing.BODY: "car body"}
-_NEAR = 1.0  # Hz; the article gives whole ones
 
 
 def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
@@ -26,9 +21,9 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
         grid={"speed": [_SPEED]},
         settings={STIFFNESS: 140e6},
         keep={BOX: ("peak",)},
-        history=tuple(_NAMES),
+        history=passing.HISTORY,
         checks=checks,
-        draw=draw,
+        draw=passing.picture(_SPEED, _NAMES),
     )
     return article.carry_out(study, options, reporter)
 
@@ -37,13 +32,7 @@ def checks(data: xr.Dataset) -> list[Check]:
     """Return what the text says of the figure."""
     at = data.sel(speed=_SPEED)
     found = [
-        Check(
-            name=f"dominant frequency, {word}, Hz",
-            stated="88",
-            found=article.both(lambda one, n=name: passing.dominant(one, n, _SPEED), at),
-            low=88.0 - _NEAR,
-            high=88.0 + _NEAR,
-        )
+        passing.frequency_check(f"dominant frequency, {word}, Hz", at, name, _SPEED, 88.0)
         for name, word in _NAMES.items()
         if name != passing.BODY
     ]
@@ -67,16 +56,3 @@ def checks(data: xr.Dataset) -> list[Check]:
         )
     )
     return found
-
-
-def draw(data: xr.Dataset, path: Path) -> None:
-    """Draw time histories and spectra."""
-    at = data.sel(speed=_SPEED)
-
-    def time(axes: Axes, one: xr.Dataset) -> None:
-        passing.draw_time(axes, one, _SPEED, _NAMES)
-
-    def spectrum(axes: Axes, one: xr.Dataset) -> None:
-        passing.draw_spectrum(axes, one, _SPEED, _NAMES)
-
-    panels(at, [time, spectrum], path, title=data.attrs["title"])

@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rail_cosim.results import check_netcdf, write_netcdf
 from rail_cosim.runner import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import BAY, Check
@@ -41,8 +40,6 @@ def _label(axis: str, value: float) -> str:
 
 def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
     """Do the study: three sweeps from one reference; the pads are those of Table 3."""
-    data, picture = options.out / "fig15.nc", options.out / "fig15.png"
-    check_netcdf(data)
     speeds = steps("speed", 80.0, 400.0, 40.0 if options.quick else 5.0)
     studies = {
         axis: article.ArticleStudy(
@@ -56,16 +53,9 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
         for axis, (values, _) in _axes().items()
     }
     parts = {axis: article.compute(one, options, reporter) for axis, one in studies.items()}
-    found = checks(parts)
     study = next(iter(studies.values()))
-    joined = join(parts)
-    joined.attrs |= article.attributes(study, options, found)
-    write_netcdf(joined, data)
-    draw(parts, picture, study.title)
-    return StudyResult(
-        table=article.table(study, found),
-        conclusion=article.conclude(found, joined),
-        files=[data, picture],
+    return article.write_up(
+        study, options, join(parts), checks(parts), lambda one, path: draw(parts, path, study.title)
     )
 
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rail_cosim.studies.article import BOX
-from rail_cosim.studies.article_plots import begin_at
+from rail_cosim.studies.article import BOX, Check, both
+from rail_cosim.studies.article_plots import panels, spectrum_line
 
 BOGIE, BODY = "bogie_vertical_acceleration", "car_body_vertical_acceleration"
+HISTORY = (BOX, BOGIE, BODY)
+"""What Figs. 8 and 12 keep; with the same, one run serves both."""
 BAY, PITCH = 0.629, 8 * 0.629
-_HIGHEST = 400.0
 
 
 def record(data: xr.Dataset, name: str, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -50,6 +54,36 @@ def at_sleepers(data: xr.Dataset, name: str, speed: float) -> float:
     return float(found[int(np.argmin(np.abs(frequencies - speed / 3.6 / BAY)))])
 
 
+def frequency_check(
+    name: str, data: xr.Dataset, variable: str, speed: float, stated: float
+) -> Check:
+    """Return the check of a dominant frequency; the article gives whole numbers of Hz."""
+    return Check(
+        name=name,
+        stated=f"{stated:g}",
+        found=both(lambda one: dominant(one, variable, speed), data),
+        low=stated - 1.0,
+        high=stated + 1.0,
+    )
+
+
+def picture(speed: float, names: dict[str, str]) -> Callable[[xr.Dataset, Path], None]:
+    """Return what draws time histories and spectra of runs at one speed."""
+
+    def draw(data: xr.Dataset, path: Path) -> None:
+        at = data.sel(speed=speed)
+
+        def time(axes: Axes, one: xr.Dataset) -> None:
+            draw_time(axes, one, speed, names)
+
+        def spectrum(axes: Axes, one: xr.Dataset) -> None:
+            draw_spectrum(axes, one, speed, names)
+
+        panels(at, [time, spectrum], path, title=data.attrs["title"])
+
+    return draw
+
+
 def draw_time(axes: Axes, data: xr.Dataset, speed: float, names: dict[str, str]) -> None:
     """Draw records over the last slab lengths."""
     for name, label in names.items():
@@ -62,12 +96,5 @@ def draw_time(axes: Axes, data: xr.Dataset, speed: float, names: dict[str, str])
 def draw_spectrum(axes: Axes, data: xr.Dataset, speed: float, names: dict[str, str]) -> None:
     """Draw their spectra, amplitudes on a logarithmic scale."""
     for name, label in names.items():
-        frequencies, found = lines(*record(data, name, speed))
-        there = (frequencies > 0.0) & (frequencies <= _HIGHEST)
-        axes.semilogy(frequencies[there], found[there], lw=1.0, label=label)
-    begin_at(axes, 1e-5)
-    axes.set_xlabel("frequency (Hz)")
+        spectrum_line(axes, *lines(*record(data, name, speed)), lowest=1e-5, label=label)
     axes.set_ylabel("amplitude (m/s²)")
-
-
-HISTORY = (BOX, BOGIE, BODY)

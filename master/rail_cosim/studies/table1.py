@@ -197,8 +197,6 @@ def _figures(
     there = (way > _RANGE[0]) & (way <= _RANGE[1])
     force = one.run["normal_force"].transpose("time", "wheelset", "side").to_numpy()
     sleepers, slabs = amplitudes(way[there], force[there], list(periods(one.run)))
-    has_end = one.run.attrs["track.window.method"] == "moving_mass"
-    felt = np.flatnonzero(off > _FELT * load) if has_end else ()
     cpu, least = min(one.cpu), min(reference.cpu)  # the least disturbed repetitions
     ways = distances(reference.run)
 
@@ -220,7 +218,7 @@ def _figures(
         "slab_amplitude": number(float(slabs.mean()), "N", "at slab passing"),
         "difference": number(float(clean.max()), "N", "largest, third slab, from sliding"),
         "whole_difference": number(float(settled.max()), "N", "largest, from the third slab on"),
-        "felt_at": number(ways[felt[0]] if len(felt) else math.nan, "m", "the end is felt from"),
+        "felt_at": number(_felt_at(one, ways, off, load), "m", "the end is felt from"),
         "cpu": number(cpu, "s", "CPU time of the pair per slab length"),
         "cpu_ratio": number(cpu / least, "1", "CPU time over the sliding window's"),
         "degrees_of_freedom": number(one.degrees, "1", "of the track, vertical"),
@@ -228,6 +226,13 @@ def _figures(
         "leading_force": padded(force[:, 0, 0]),
         "force_difference": padded(off),
     }
+
+
+def _felt_at(one: Measured, ways: np.ndarray, off: np.ndarray, load: float) -> float:
+    """Return the first way (m) at which an end of the window is felt, NaN if there is none."""
+    felt = np.flatnonzero(off > _FELT * load)
+    has_end = one.run.attrs["track.window.method"] == "moving_mass"
+    return float(ways[felt[0]]) if has_end and len(felt) else math.nan
 
 
 def ratings(dataset: xr.Dataset) -> dict[str, dict[str, str]]:

@@ -5,7 +5,9 @@ rail; ellipse factors and Kalker's coefficients over the ratio of curvatures.
 Interpolation is by Catmull-Rom splines (once continuously differentiable).
 """
 
+import functools
 import math
+import os
 from typing import NamedTuple
 
 import numpy as np
@@ -91,7 +93,7 @@ def build_tables(
     rail_axis_depth: float = 0.095,
     steel: Steel | None = None,
 ) -> ContactTables:
-    """Compute the tables of a wheelset on a track (about a second).
+    """Return the tables of a wheelset on a track (about a second; the last ones are kept).
 
     Parameters
     ----------
@@ -109,11 +111,28 @@ def build_tables(
     ParameterError
         If a profile is unknown, unreadable, or too short.
     """
-    steel = steel or Steel()
+    placement = (gauge, gauge_measurement_depth, cant, rail_axis_depth)
+    files = tuple(_file_state(name) for name in (parameters.wheel_profile, parameters.rail_profile))
+    return _build_tables(parameters, placement, steel or Steel(), files)
+
+
+def _file_state(name: str) -> tuple[int, int] | None:
+    """Return what changes when a profile's file does; ``None`` for a built-in profile."""
+    try:
+        state = os.stat(name)
+    except (OSError, ValueError):
+        return None
+    return state.st_mtime_ns, state.st_size
+
+
+@functools.lru_cache(maxsize=2)  # runs at several speeds in one process, as in a sweep
+def _build_tables(
+    parameters: ContactParameters, placement: tuple[float, ...], steel: Steel, _files: tuple
+) -> ContactTables:
     geometry = ContactGeometry(
         load_profile("wheel", parameters.wheel_profile, parameters.profile_noise),
         load_profile("rail", parameters.rail_profile, parameters.profile_noise),
-        parameters.placement(gauge, gauge_measurement_depth, cant, rail_axis_depth),
+        parameters.placement(*placement),
         reference_penetration=parameters.reference_penetration,
         spacing=2.0 * LATERAL_LIMIT / _LATERAL_STEPS,
     )
