@@ -16,23 +16,119 @@ VERTICAL = ContactParameters(model="vertical")
 LOAD = HD.static_wheel_load
 
 
-@pytest.mark.parametrize("samples", [270, 320, 1024])
-def test_a_smooth_local_field_moves_exactly(samples):
-    """A packet of waves around the 115th, some metres long: exact but for rounding."""
-    model = TrackModel(HD)
-    rail, length, pitch = model.linear.rail, HD.window_length, HD.pitch
+@pytest.mark.parametrize(
+    ("solver", "samples", "pitches", "taper"),
+    [
+        ("least_squares", 340, 1, 0.0),
+        ("least_squares", 394, 1, 0.0),
+        ("least_squares", 1260, 1, 0.0),
+        ("least_squares", 394, 3, 0.0),
+        ("least_squares", 394, 1, 10.0),
+        ("projection", 0, 1, 0.0),
+        ("projection", 0, 2, 0.0),
+        ("projection", 0, 1, 10.0),
+    ],
+)
+def test_a_smooth_local_field_moves_exactly(solver, samples, pitches, taper):
+    """A packet of waves around the 140th, some metres long: exact but for rounding."""
+    p = HD.replace(window=Window(slide_pitches=pitches))
+    model, count, shift = TrackModel(p), p.rail_mode_count, pitches * p.pitch
+    rail = model.linear.rail
     operator = slide_operator(
-        rail, length=length, shift=pitch, sample_count=samples, solver="least_squares"
+        rail,
+        length=p.window_length,
+        shift=shift,
+        sample_count=samples,
+        solver=solver,
+        taper=taper,
     )
-    k, place = np.arange(1, 257), 33.0
-    packet = np.exp(-0.5 * ((k - 115) / 14.0) ** 2)
-    q, expected = np.zeros((2, 256)), np.zeros((2, 256))
+    k, place = np.arange(1, count + 1), 40.0
+    packet = np.exp(-0.5 * ((k - 140) / 16.0) ** 2)
+    q, expected = np.zeros((2, count)), np.zeros((2, count))
     q[0] = packet * np.sin(rail.wave_number * place) / rail.deflection[0]
-    expected[0] = packet * np.sin(rail.wave_number * (place - pitch)) / rail.deflection[0]
+    expected[0] = packet * np.sin(rail.wave_number * (place - shift)) / rail.deflection[0]
     moved = slide_rail(rail, operator, q)
     np.testing.assert_allclose(
         rail.deflection * moved, rail.deflection * expected, rtol=0, atol=1e-12
     )
+
+
+def test_projection_is_the_integral():
+    """Closed form against quadrature, of both shapes, and least squares as M grows."""
+    p = HD.replace(rail=Rail(mode_count=24))
+    rail = TrackModel(p).linear.rail
+    sliding = dict(length=p.window_length, shift=p.pitch)
+    exact = slide_operator(rail, sample_count=0, solver="projection", **sliding)
+    x, weight = np.polynomial.legendre.leggauss(200)
+    end = p.window_length - p.pitch
+    x, weight = 0.5 * end * (x + 1.0), 0.5 * end * weight
+    for shapes, matrix in (
+        (rail.waves.shapes, exact.deflection),
+        (rail.waves.rotation_shapes, exact.rotation),
+    ):
+        integral = 2.0 / p.window_length * (shapes(x) * weight) @ shapes(x + p.pitch).T
+        np.testing.assert_allclose(matrix, integral, atol=1e-12)
+    near = [
+        np.abs(
+            slide_operator(rail, sample_count=m, solver="least_squares", **sliding).deflection
+            - exact.deflection
+        ).max()
+        for m in (64, 6400)
+    ]
+    assert near[1] < 2e-3 < near[0] < 0.2
+
+
+def test_constrained_slide_keeps_the_rails_under_the_wheels():
+    """Deflection, velocity and acceleration, of a field that the series cannot carry exactly."""
+    random = np.random.default_rng(5)
+    plain = TrackParameters(
+        contact=VERTICAL,
+        rail=Rail(mode_count=200, residual_compliance=False),
+        window=Window(slab_count=13),
+    )
+    misfit = {}
+    for solver in ("least_squares", "constrained"):
+        model = TrackModel(plain.replace(window=Window(slab_count=13, slide_solver=solver)))
+        row = np.zeros((4, 11))
+        row[:, 0] = model.default_positions()
+        state = model.with_motion(model.initial_state(row), row)
+        state.symmetric.rail[:] = random.normal(size=state.symmetric.rail.shape)
+        state.rails[:] = random.normal(size=state.rails.shape)
+        moved, places = model._slide_once(state), row[:, 0] - state.window_start
+        errors = []
+        for weight, before, after in (
+            (model.linear.participation, state.symmetric.rail, moved.symmetric.rail),
+            (model.lateral.bending.deflection, state.rails[0, :, :2], moved.rails[0, :, :2]),
+        ):
+            old, new = (
+                np.sum(weight * q, axis=1) @ model.linear.wave_shapes(x)
+                for q, x in ((before, places), (after, places - plain.pitch))
+            )
+            errors.append(np.abs(new - old).max() / np.abs(old).max())
+        misfit[solver] = max(errors)
+    assert misfit["constrained"] < 1e-12
+    assert misfit["least_squares"] > 1e-3
+
+
+def test_a_taper_cuts_the_rear_end_smoothly():
+    """The moved field is the old one times sin2, up to the series' last wave."""
+    p = HD.replace(window=Window(rear_taper=12.0))
+    rail, shift = TrackModel(p).linear.rail, p.pitch
+    operator = slide_operator(
+        rail,
+        length=p.window_length,
+        shift=shift,
+        sample_count=p.sample_count,
+        solver="least_squares",
+        taper=12.0,
+    )
+    x = np.linspace(0.5, 60.0, 400)
+    k = np.arange(p.rail_mode_count)
+    old = np.exp(-0.5 * ((k - 60.0) / 12.0) ** 2) * np.sin(rail.wave_number * 14.0)
+    moved = (operator.deflection @ old) @ rail.waves.shapes(x)
+    wanted = old @ rail.waves.shapes(x + shift)
+    wanted *= np.sin(0.5 * np.pi * np.clip(x / 12.0, 0.0, 1.0)) ** 2
+    np.testing.assert_allclose(moved, wanted, atol=2e-3 * np.abs(wanted).max())
 
 
 def _statics_error(parameters):
@@ -90,7 +186,7 @@ def _disturbance(speed_kmh, distance, **more):
     """Largest difference between two runs that slide at different places, N."""
     early, late = (
         _run(speed_kmh, distance, window=Window(vehicle_offset=offset), **more)
-        for offset in (0.0, 2.516)
+        for offset in (-3.0, -0.484)
     )
     assert early.slide_count[-1] >= 2
     assert np.any(early.slide_count != late.slide_count)
@@ -113,12 +209,12 @@ HARD = Fastener(vertical_stiffness=200e6, vertical_damping=10e3)
 
 @pytest.mark.parametrize("distance", [20.0, pytest.param(60.0, marks=pytest.mark.slow)])
 def test_slides_near_the_resonance_with_lift_off(distance):
-    """Hard, hardly damped pads at 180 km/h: wheels lift off, waves run far (measured: 0.15 %).
+    """Hard, hardly damped pads at 180 km/h: wheels lift off, waves run far (measured: 0.076 %).
 
     Not farther than 60 m: the steady motion is unstable, and two runs leave it at different
     places after some 100 m.
     """
-    assert _disturbance(180.0, distance, fastener=HARD) < 2e-3 * LOAD
+    assert _disturbance(180.0, distance, fastener=HARD) < 1e-3 * LOAD
 
 
 def _moving_force(slides, method):
@@ -170,23 +266,22 @@ def test_two_thousand_slides_change_nothing():
     np.testing.assert_allclose(norms[-1], norms[1000], rtol=2e-4)
 
 
-def _joint_at_a_slide(distance, method, slabs, modes):
-    """Fig. 6: the leading wheelset meets the joint when the window of 13 slabs slides."""
-    start = 20.3 + 0.5 * (12 * HD.pitch - 20.3)
+def _joint_at_a_slide(distance, method, slabs):
+    """Fig. 6: the leading wheelset meets the joint when the default window slides."""
+    start = 20.3 + 0.5 * (HD.window_length - HD.pitch - 20.3) + HD.window.vehicle_offset
     place = start + np.ceil((8.0 - start) / HD.pitch) * HD.pitch
     joint = RailJointParameters(side="both", position=float(place))
     return _run(
         300.0,
         distance,
         window=Window(slab_count=slabs, method=method),
-        rail=Rail(mode_count=modes),
         irregularity=IrregularityParameters(rail_joint=joint),
     )
 
 
 def test_rail_joint_at_the_slide_is_that_of_the_moving_mass():
-    slide = _joint_at_a_slide(14.0, "sliding", 13, 256)
-    mass = _joint_at_a_slide(14.0, "moving_mass", 26, 512)
+    slide = _joint_at_a_slide(14.0, "sliding", HD.window.slab_count)
+    mass = _joint_at_a_slide(14.0, "moving_mass", 30)
     assert np.max(mass.normal_force) > 150e3
     assert np.max(slide.normal_force) == pytest.approx(np.max(mass.normal_force), rel=1e-4)
 
@@ -194,9 +289,9 @@ def test_rail_joint_at_the_slide_is_that_of_the_moving_mass():
 @pytest.mark.slow
 def test_whole_history_behind_a_joint_in_a_longer_window():
     """Waves of 1.1 kHz pass the fasteners at their nodes; they come back from the ends."""
-    mass = _joint_at_a_slide(30.0, "moving_mass", 51, 1004).normal_force
-    for slabs, modes, limit in ((13, 256, 2.5e-3), (17, 335, 6e-4)):
-        slide = _joint_at_a_slide(30.0, "sliding", slabs, modes).normal_force
+    mass = _joint_at_a_slide(30.0, "moving_mass", 51).normal_force
+    for slabs, limit in ((13, 2.5e-3), (HD.window.slab_count, 5e-4)):
+        slide = _joint_at_a_slide(30.0, "sliding", slabs).normal_force
         assert np.max(np.abs(slide - mass)) < limit * LOAD
 
 

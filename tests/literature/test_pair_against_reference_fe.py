@@ -21,6 +21,7 @@ VERTICAL = ContactParameters(model="vertical")
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "steady_state_amplitudes.json"
 CASES = json.loads(GOLDEN.read_text())["cases"]
+RESONANCES = json.loads(GOLDEN.read_text())["resonance"]
 
 
 def _name(case):
@@ -82,6 +83,24 @@ def test_all_amplitudes_below_500_hz(case):
         _compare(case, 50.32, 0.01)
     else:  # waves that hardly die out; the reference itself is less certain
         _compare(case, 120.768, 0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wanted", RESONANCES, ids=lambda case: f"{case['pad_stiffness']:.3g}")
+def test_speed_of_the_largest_acceleration(wanted):
+    """Within 1 km/h, by the parabola through the three highest of five speeds."""
+    expected = wanted["resonance_speed_kmh"]
+    speeds = expected + np.arange(-9.0, 10.0, 4.0)  # the peak between two of them
+    values = []
+    for speed in speeds:
+        history, period = _run({**wanted, "vehicle": "single_wheel", "speed_kmh": speed}, 50.32)
+        amplitude = band_limited_amplitude(history.time, history.acceleration, window=period)
+        values.append(float(amplitude[0]))
+    top = int(np.argmax(values))
+    assert 0 < top < len(values) - 1
+    near = np.polynomial.Polynomial.fit(speeds[top - 1 : top + 2], values[top - 1 : top + 2], 2)
+    assert float(near.deriv().roots()[0]) == pytest.approx(expected, abs=1.0)
+    assert max(values) == pytest.approx(wanted["wheelset_acceleration_amplitude"], rel=0.02)
 
 
 def test_plain_modes_are_short_of_the_reference():

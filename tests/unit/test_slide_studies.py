@@ -12,7 +12,7 @@ def test_joint_lies_where_the_window_of_the_track_slides():
     from slab_track import TrackParameters
     from slab_track.window import place_window
 
-    x = fig06.joint_position(13, 12.0)
+    x = fig06.joint_position(12.0)
     assert 12.0 <= x < 17.1
     places = np.array([0.0, -2.5, -17.8, -20.3])
     p = TrackParameters()
@@ -51,6 +51,7 @@ def _fields(way_growth):
         "target": target,
         "after": after,
         "condition_number": np.ones(4),
+        "rotation_condition_number": np.ones(4),
         "wheel_force_jump": np.zeros(4),
     }
     return TrackTable({}, {}, columns)
@@ -75,21 +76,21 @@ def test_fig05_tells_a_field_that_diverges(growth, verdicts, tmp_path):
     )
 
 
-def test_square_eq_10_is_well_conditioned_at_the_middle_of_segments_only():
-    """Sines at these points are orthogonal; at a hinge, or with an end left out, singular."""
+def test_conditions_of_eq_10_at_the_sample_points():
+    """Sines at the middle of segments are orthogonal, but the last cosine vanishes there."""
     from slab_track import HD
     from slab_track.rail import vertical_modes
     from slab_track.slide_study import way_points
 
-    length, count = HD.window_length, HD.rail.mode_count
+    length, count = HD.window_length, HD.rail_mode_count
     waves = vertical_modes(HD.rail, length).waves
     condition = {
-        name: np.linalg.cond(waves.shapes(way_points(name, length, count, 320)))
+        name: np.linalg.cond(waves.shapes(way_points(name, length, count, 394)))
         for name in fig05.WAYS
     }
     assert condition["least_squares"] == pytest.approx(1.0, abs=1e-9)
     assert condition["middle"] == pytest.approx(np.sqrt(2.0), abs=1e-9)
-    middle = way_points("middle", length, count, 320)
+    middle = way_points("middle", length, count, 394)
     assert np.max(np.abs(waves.rotation_shapes(middle)[-1])) < 1e-9  # the rotation's is singular
     assert condition["hinges"] > 1e10
     assert condition["end_left_out"] > 1e10

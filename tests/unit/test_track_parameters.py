@@ -5,6 +5,7 @@ import pytest
 from rail_quantities import ParameterError, UnknownParameterError, flatten, with_values
 from slab_track import HD, ZX, TrackError, TrackModel, TrackParameters
 from slab_track.motion import MotionHistory
+from slab_track.presets import PAPER
 
 
 @pytest.mark.parametrize(
@@ -39,9 +40,20 @@ def test_misspelt_name_gets_the_nearest_right_one():
 def test_lines_of_the_article():
     assert HD.pitch == pytest.approx(5.032)
     assert HD.slab_length == pytest.approx(4.962)
-    assert HD.window_length == pytest.approx(65.416)
+    assert PAPER.window_length == pytest.approx(65.416)
     assert ZX.pitch == pytest.approx(5.67)
     assert ZX.slab_length == pytest.approx(5.6)
+
+
+def test_modes_follow_from_the_length_of_the_window():
+    """All waves longer than 0.51 m, whatever the window: 2 l/0.51."""
+    for slabs, count in ((13, 256), (16, 315), (51, 1006)):
+        p = with_values(HD, {"window.slab_count": slabs})
+        assert p.rail_mode_count == count
+        assert p.sample_count > count
+    assert with_values(HD, {"rail.mode_count": 77}).rail_mode_count == 77
+    with pytest.raises(ParameterError, match=r"slab_count = 200.*11.*at most 4000"):
+        with_values(HD, {"window.slab_count": 200, "fastener.spacing": 1.8})
 
 
 def test_every_parameter_describes_itself():
@@ -84,7 +96,7 @@ def test_moving_mass_ends_before_the_wheel_leaves_the_window():
 
 def test_offset_of_the_vehicle_must_leave_room_at_the_ends():
     model = TrackModel(
-        with_values(TrackParameters(), {"window.vehicle_offset": 20.0, "rail.mode_count": 60})
+        with_values(TrackParameters(), {"window.vehicle_offset": 26.0, "rail.mode_count": 60})
     )
     with pytest.raises(TrackError, match=r"takes at most.*reduce window\.vehicle_offset"):
         model.initial_state(_motion([0.0, -2.5, -17.8, -20.3]))

@@ -116,6 +116,11 @@ class LinearTrack(NamedTuple):
         return folded[self.fold_index] * sign
 
     @property
+    def pitch(self) -> float:
+        """Length of one slab and one gap, m."""
+        return self.length / self.slab_count
+
+    @property
     def ring(self) -> bool:
         """True if the track closes on itself."""
         return self.rail.waves.ring
@@ -212,13 +217,14 @@ def _positive(compliance: np.ndarray) -> np.ndarray:
 def assemble(parameters: TrackParameters) -> LinearTrack:
     """Build the linear track of a window from its parameters; the last ones are kept."""
     count, ring = parameters.fastener_count, parameters.ring
-    length, modes = parameters.window_length, parameters.rail.mode_count
+    length, modes = parameters.window_length, parameters.rail_mode_count
     rail = vertical_modes(parameters.rail, length, ring=ring)
     index, sign = fold_table(modes, count, ring=ring)
     fine = waves(length, max(FINEST_WAVES_PER_BAY * count, 2 * modes), ring=ring)
     share, residual = np.ones(rail.wave_number.size), np.zeros(0)
     if parameters.rail.residual_compliance:
-        share = moving_share(rail.wave_number, parameters.rail.passage_width)
+        last = parameters.rail.last_wave_number(length)
+        share = moving_share(rail.wave_number, last, parameters.rail.passage_width)
         residual = np.zeros(fine.wave_number.size)
         moving = np.concatenate([share, np.zeros(residual.size - share.size)])
         static = moving < 1.0
@@ -246,20 +252,21 @@ def assemble(parameters: TrackParameters) -> LinearTrack:
 def _end_damping(parameters: TrackParameters) -> np.ndarray:
     """Return what is added to each fastener's damping, N.s/m, (P,); rises with the cube."""
     places = (np.arange(parameters.fastener_count) + 0.5) * parameters.fastener.spacing
-    to_end = np.minimum(places, parameters.window_length - places)
-    zone = parameters.end_zone
-    if zone == 0.0:
-        return np.zeros(places.size)
-    return parameters.window.end_damping * np.clip(1.0 - to_end / zone, 0.0, 1.0) ** 3
+    depth = np.zeros(places.size)
+    to_ends = places, parameters.window_length - places
+    for to_end, zone in zip(to_ends, parameters.end_zones, strict=True):
+        if zone > 0.0:
+            depth = np.maximum(depth, np.clip(1.0 - to_end / zone, 0.0, 1.0))
+    return parameters.window.end_damping * depth**3
 
 
-def moving_share(wave_number: np.ndarray, width: float) -> np.ndarray:
+def moving_share(wave_number: np.ndarray, last: float, width: float) -> np.ndarray:
     """Return the share s of each wave's compliance that moves with inertia, (N,).
 
-    It falls smoothly from 1 to 0 over the last part ``width`` (0 to 1) of the wave numbers;
-    1 for all with ``width`` 0.
+    It falls smoothly from 1 to 0 over the last part ``width`` (0 to 1) of the wave numbers up to
+    ``last``; 1 for all with ``width`` 0.
     """
     if width == 0.0:
         return np.ones_like(wave_number)
-    t = np.clip((wave_number / wave_number[-1] - (1.0 - width)) / width, 0.0, 1.0)
+    t = np.clip((wave_number / last - (1.0 - width)) / width, 0.0, 1.0)
     return np.cos(0.5 * np.pi * t) ** 4

@@ -70,7 +70,7 @@ def assemble_lateral(p: TrackParameters) -> LateralTrack:
     rail, fastener, length = p.rail, p.fastener, p.window_length
     bending_stiffness = rail.youngs_modulus * rail.lateral_second_moment
     shear_stiffness = rail.lateral_shear_coefficient * rail.shear_modulus * rail.area
-    along = waves(length, rail.mode_count, ring=p.ring)
+    along = waves(length, p.rail_mode_count, ring=p.ring)
     bending = timoshenko_modes(
         along,
         bending_stiffness=bending_stiffness,
@@ -80,13 +80,13 @@ def assemble_lateral(p: TrackParameters) -> LateralTrack:
     )
     polar = rail.density * rail.polar_second_moment
     count = p.fastener_count
-    index, sign = fold_table(rail.mode_count, count, ring=p.ring)
+    index, sign = fold_table(p.rail_mode_count, count, ring=p.ring)
     weight = np.sum(fastener_shapes(count, ring=p.ring) ** 2, axis=1)
     # Half the vertical spring under either edge of the rail base.
     lever = rail.base_width**2 / 4.0
     residual = np.zeros(2)
     if rail.residual_compliance:
-        finer = waves(length, 200 * rail.mode_count, ring=p.ring).wave_number
+        finer = waves(length, 200 * p.rail_mode_count, ring=p.ring).wave_number
         wave = finer[along.wave_number.size :]
         residual[0] = np.sum(
             1.0 / (bending_stiffness * wave**4) + 1.0 / (shear_stiffness * wave**2)

@@ -171,7 +171,7 @@ class TrackModel:
         # Looked up at every step.
         self._longest_step = p.integration.maximum_step
         self._moves, self._length = p.moves, p.window_length
-        self._slide_middle = 0.5 * (p.window_length + p.pitch)
+        self._slide_middle = 0.5 * (p.window_length + p.slide_length) + p.window.vehicle_offset
 
     def _make_operator(self, step: float) -> OperatorBox:
         operator = TrackOperator(
@@ -191,14 +191,15 @@ class TrackModel:
 
     @functools.cached_property
     def slide(self) -> SlideOperator:
-        """Operator of a slide by one pitch."""
+        """Operator of a slide."""
         p = self.parameters
         return slide_operator(
             self.linear.rail,
             length=p.window_length,
-            shift=p.pitch,
+            shift=p.slide_length,
             sample_count=p.sample_count,
             solver=p.window.slide_solver,
+            taper=p.window.rear_taper,
         )
 
     def prepare(self) -> None:
@@ -428,7 +429,7 @@ class TrackModel:
         # Half a millimetre early: then place_window decides.
         if self._moves and 0.5 * (rear_end + front_end) > start + self._slide_middle - 5e-4:
             target = place_window(p, path[-1, :, 0])
-            while target > state.window_start + 0.5 * p.pitch:
+            while target > state.window_start + 0.5 * p.slide_length:
                 state = self._slide_once(state)
             start = state.window_start
         if p.window.method == "moving_irregularity":
@@ -441,7 +442,7 @@ class TrackModel:
         changes, residual = slide_fields(self.linear, self.lateral, self.slide, state)
         return state._replace(
             **changes,
-            window_start=state.window_start + self.parameters.pitch,
+            window_start=state.window_start + self.parameters.slide_length,
             slide_count=state.slide_count + 1,
             slide_residual=residual,
         )

@@ -18,6 +18,17 @@ WHEELSET_LIMIT = 4
 WHEELSET_PLACES = (0.0, 2.5, 17.8, 20.3)
 """Distance of the article's wheelsets behind the leading one, m."""
 
+_EXTENT = (0.0, *WHEELSET_PLACES)
+"""Distance of the outer ones of so many wheelsets, m."""
+
+SHORTEST_WAVE = 0.51
+"""Wavelength at which the rail's modal series ends by default, m: its waves reach to 3.8 kHz."""
+
+_FEWEST_MODES, _MOST_MODES = 8, 4000
+
+_LONGEST_END_ZONE = 0.4
+"""Part of the window."""
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Rail(ParameterSet):
@@ -117,12 +128,13 @@ class Rail(ParameterSet):
         choices=("full", "vertical"),
     )
     mode_count: int = quantity(
-        256,
+        0,
         "1",
-        "Number of wave numbers of the rail's modal series, two branches each",
+        "Number of wave numbers of the rail's modal series, two branches each; 0 takes all waves "
+        f"longer than {SHORTEST_WAVE:g} m, in a window of any length",
         symbol="N_V",
-        at_least=8,
-        at_most=4000,
+        at_least=0,
+        at_most=_MOST_MODES,
     )
     residual_compliance: bool = quantity(
         True,
@@ -142,6 +154,15 @@ class Rail(ParameterSet):
     def poisson_ratio(self) -> float:
         """Poisson's ratio of the rail steel from both moduli."""
         return 0.5 * self.youngs_modulus / self.shear_modulus - 1.0
+
+    def modes_over(self, length: float) -> int:
+        """Return the number of wave numbers on ``length`` metres, given or derived."""
+        return self.mode_count or max(1, math.floor(2.0 * length / SHORTEST_WAVE))
+
+    def last_wave_number(self, length: float) -> float:
+        """Return where the modal series on ``length`` metres ends, rad/m."""
+        shortest = 2.0 * length / self.mode_count if self.mode_count else SHORTEST_WAVE
+        return 2.0 * math.pi / shortest
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -267,7 +288,7 @@ class Window(ParameterSet):
     """The piece of track that moves along with the vehicle."""
 
     GROUP = "window"
-    slab_count: int = quantity(13, "1", "Slabs in the window", at_least=3, at_most=200)
+    slab_count: int = quantity(16, "1", "Slabs in the window", at_least=3, at_most=200)
     method: str = quantity(
         "sliding",
         "1",
@@ -278,10 +299,10 @@ class Window(ParameterSet):
         choices=("sliding", "cyclic", "moving_mass", "moving_irregularity"),
     )
     vehicle_offset: float = quantity(
-        0.0,
+        -3.0,
         "m",
-        "Shift of the vehicle in a window that follows it, from the middle towards the front end; "
-        "it moves the slides' instants",
+        "Shift of the vehicle in a window that follows it, from the middle towards the front end "
+        "(negative: more track ahead than behind); it moves the slides' instants",
         at_least=-50.0,
         at_most=50.0,
     )
@@ -296,9 +317,22 @@ class Window(ParameterSet):
     slide_solver: str = quantity(
         "least_squares",
         "1",
-        "How eq. (10) is solved: least_squares, eq. (11), or triangular (as many samples as "
+        "How eq. (10) is solved: least_squares, eq. (11); projection, its limit for M to infinity, "
+        "mass-weighted; constrained, least squares that keep deflection, velocity and acceleration "
+        "of the rails under the wheels exactly; triangular (as many samples as "
         "modes; it diverges within a few slides and is there to show that)",
-        choices=("least_squares", "triangular"),
+        choices=("least_squares", "projection", "constrained", "triangular"),
+    )
+    slide_pitches: int = quantity(
+        1, "1", "Slab pitches that the window moves on in one slide", at_least=1, at_most=10
+    )
+    rear_taper: float = quantity(
+        0.0,
+        "m",
+        "Length at the rear end of the window over which a slide lets the rails' motion fall "
+        "smoothly to nothing; 0: none",
+        at_least=0.0,
+        at_most=50.0,
     )
     sample_count: int = quantity(
         0,
@@ -385,21 +419,32 @@ class TrackParameters(ParameterSet):
         return self.window.slab_count * self.fastener.count_per_slab
 
     @property
+    def slide_length(self) -> float:
+        """Way of the window in one slide, m."""
+        return self.window.slide_pitches * self.pitch
+
+    @property
+    def rail_mode_count(self) -> int:
+        """Wave numbers N_V of the rail's modal series in the window."""
+        return self.rail.modes_over(self.window_length)
+
+    @property
     def ring(self) -> bool:
         """True if the window's ends are joined."""
         return self.window.method == "cyclic"
 
     @property
-    def end_zone(self) -> float:
-        """Length at either end of the window with added damping, m; 0 if there is none.
+    def end_zones(self) -> tuple[float, float]:
+        """Length at the rear and the front of the window with added damping, m; 0: none.
 
-        It ends 2 m before the wheels of the article's vehicle at the worst instant.
+        They end 2 m before the wheels of the article's vehicle at the worst instant.
         """
         if self.window.method == "moving_mass" or self.window.end_damping == 0.0:
-            return 0.0
-        room = 0.5 * (self.window_length - self.pitch - WHEELSET_PLACES[self.wheelset_count - 1])
-        room -= abs(self.window.vehicle_offset)
-        return max(0.0, min(0.27 * self.window_length, room - 2.0))
+            return 0.0, 0.0
+        room = 0.5 * (self.window_length - self.slide_length - _EXTENT[self.wheelset_count])
+        offset, most = self.window.vehicle_offset, _LONGEST_END_ZONE * self.window_length
+        rear, front = (min(most, max(0.0, room + shift - 2.0)) for shift in (offset, -offset))
+        return rear, front
 
     @property
     def moves(self) -> bool:
@@ -409,7 +454,7 @@ class TrackParameters(ParameterSet):
     @property
     def sample_count(self) -> int:
         """Sample points M of the slide."""
-        count = self.rail.mode_count
+        count = self.rail_mode_count
         if self.window.slide_solver == "triangular":
             return self.window.sample_count or count
         return self.window.sample_count or math.ceil(1.25 * count)
@@ -452,6 +497,7 @@ class TrackParameters(ParameterSet):
                 f"must be more than the {self.contact.rolling_circle_distance:g} m between rails",
                 "widen the slab or reduce contact.rolling_circle_distance",
             )
+        self._check_modes()
         self._check_samples()
         self._check_step()
         rail = self.rail
@@ -462,6 +508,24 @@ class TrackParameters(ParameterSet):
                 f"must be from {rail.youngs_modulus / 3:.4g} to {rail.youngs_modulus / 2:.4g} Pa "
                 "for this rail.youngs_modulus",
                 "Poisson's ratio E/(2 G) - 1 must lie between 0 and 0.5 for the contact",
+            )
+
+    def _check_modes(self) -> None:
+        count = self.rail.mode_count
+        if 0 < count < _FEWEST_MODES:
+            raise ParameterError(
+                "rail.mode_count",
+                count,
+                f"must be at least {_FEWEST_MODES}, or 0",
+                f"0 takes all waves longer than {SHORTEST_WAVE:g} m",
+            )
+        if self.rail_mode_count > _MOST_MODES:
+            raise ParameterError(
+                "window.slab_count",
+                self.window.slab_count,
+                f"must be less: a window of {self.window_length:g} m takes {self.rail_mode_count} "
+                f"rail modes, at most {_MOST_MODES} are possible",
+                "reduce window.slab_count, or set rail.mode_count",
             )
 
     def _check_step(self) -> None:
@@ -476,7 +540,7 @@ class TrackParameters(ParameterSet):
             )
 
     def _check_samples(self) -> None:
-        count, modes = self.window.sample_count, self.rail.mode_count
+        count, modes = self.window.sample_count, self.rail_mode_count
         if count and self.window.slide_solver == "triangular" and count != modes:
             raise ParameterError(
                 "window.sample_count",

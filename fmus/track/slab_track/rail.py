@@ -84,7 +84,7 @@ def timoshenko_modes(
 def vertical_modes(rail: Rail, length: float, *, ring: bool = False) -> RailModes:
     """Return the vertical bending modes of a rail of ``length`` metres."""
     return timoshenko_modes(
-        waves(length, rail.mode_count, ring=ring),
+        waves(length, rail.modes_over(length), ring=ring),
         bending_stiffness=rail.youngs_modulus * rail.vertical_second_moment,
         shear_stiffness=rail.vertical_shear_coefficient * rail.shear_modulus * rail.area,
         mass_per_length=rail.density * rail.area,

@@ -1,11 +1,21 @@
 r"""The slide of the window: eqs. (8)-(11) of the article as constant matrices.
 
-When the window moves on by one pitch :math:`L_m`, the new coordinates must
+When the window moves on by :math:`L_m`, one pitch or several, the new coordinates must
 reproduce the old field, :math:`\Phi Q = D` (eq. (10)), where D is the old field
 at the sample points moved by :math:`L_m` and zero beyond the old front end
 (eq. (9)). D is linear in the old coordinates, so a slide is one matrix for the
 deflection (sines) and one for the rotation (cosines), applied to displacement,
 velocity and acceleration alike.
+
+``least_squares`` is eq. (11). For M to infinity it becomes the ``projection``
+
+.. math:: Q_j = \frac2l \int_0^{l-L_m} \varphi_j(x)\, u(x + L_m)\,dx,
+
+which a uniform rail's mass weights too; its integrals have closed forms. ``constrained`` adds the
+smallest change, in the mass norm, that gives the rails under the wheels their old motion
+back: :math:`\Delta q = \Phi_w^T(\Phi_w\Phi_w^T)^{-1} r` for the misfits r at the wheels.
+``triangular`` is the square eq. (10) solved by its LU factors, as in the
+article's Fig. 5 (a).
 """
 
 from typing import NamedTuple
@@ -15,9 +25,15 @@ import scipy.linalg
 
 from slab_track.rail import RailModes
 
+_SEEN_EVERY = 0.25
+"""Distance of the points at which the slide's residual is looked for, m."""
+
+_FINE = 16
+"""Sample points per wave number that stand for an integral over a tapered field."""
+
 
 class SlideOperator(NamedTuple):
-    """Matrices that move the modal series back by one pitch.
+    """Matrices that move the modal series back by one slide.
 
     Attributes
     ----------
@@ -28,6 +44,10 @@ class SlideOperator(NamedTuple):
         (N, points), in the old and in the new window.
     ring
         True if slabs and fasteners that leave at the rear come back at the front.
+    shift
+        Way of the window, m.
+    constrained
+        True if the rails under the wheels keep their motion exactly.
     """
 
     deflection: np.ndarray
@@ -35,6 +55,8 @@ class SlideOperator(NamedTuple):
     before: np.ndarray
     after: np.ndarray
     ring: bool
+    shift: float
+    constrained: bool
 
     def rows(self, values: np.ndarray, count: int) -> np.ndarray:
         """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
@@ -59,37 +81,71 @@ def slide_operator(
     shift: float,
     sample_count: int,
     solver: str,
+    taper: float = 0.0,
     points: np.ndarray | None = None,
 ) -> SlideOperator:
     """Compute the operator for a slide by ``shift`` metres.
 
-    ``solver`` is "least_squares", eq. (11), or "triangular": the LU factors of the
-    square eq. (10), as the article's Fig. 5(a). A ring needs neither. ``points`` are other
-    sample points than :func:`sample_points`, (M,), m.
+    Parameters
+    ----------
+    sample_count
+        Sample points M; without effect for ``projection``.
+    solver
+        "least_squares", "projection", "constrained" or "triangular". A ring needs none.
+    taper
+        Length at the rear end over which the moved field falls to nothing, m.
+    points
+        Other sample points than :func:`sample_points`, (M,), m.
     """
-    common = np.linspace(shift, length, max(2, round((length - shift) / (0.05 * shift))))
+    common = np.linspace(shift, length, max(2, round((length - shift) / _SEEN_EVERY)))
     before, after = rail.waves.shapes(common), rail.waves.shapes(common - shift)
     if rail.waves.ring:
         turn = _rotation(rail.wave_number, shift)
-        return SlideOperator(turn, turn, before, after, ring=True)
-    if points is None:
-        points = sample_points(length, sample_count)
-    inside = (points + shift <= length)[:, None]
-
-    def matrix(shapes) -> np.ndarray:
-        phi = shapes(points).T
-        target = np.where(inside, shapes(points + shift).T, 0.0)
-        if solver == "triangular":
-            return scipy.linalg.solve(phi, target)
-        return _least_squares(phi, target)
-
+        return SlideOperator(turn, turn, before, after, ring=True, shift=shift, constrained=False)
+    if solver == "projection" and taper == 0.0:
+        deflection = _projection(rail.wave_number, length, shift, sign=-1.0)
+        rotation = _projection(rail.wave_number, length, shift, sign=1.0)
+    else:
+        if points is None:
+            fine = _FINE * rail.wave_number.size
+            points = sample_points(length, fine if solver == "projection" else sample_count)
+        kept = np.where(points + shift <= length, _rise(points, taper), 0.0)[:, None]
+        solve = scipy.linalg.solve if solver == "triangular" else _least_squares
+        deflection, rotation = (
+            solve(shapes(points).T, kept * shapes(points + shift).T)
+            for shapes in (rail.waves.shapes, rail.waves.rotation_shapes)
+        )
     return SlideOperator(
-        deflection=matrix(rail.waves.shapes),
-        rotation=matrix(rail.waves.rotation_shapes),
+        deflection=deflection,
+        rotation=rotation,
         before=before,
         after=after,
         ring=False,
+        shift=shift,
+        constrained=solver == "constrained",
     )
+
+
+def _rise(points: np.ndarray, taper: float) -> np.ndarray:
+    """Return a smooth rise from 0 at the rear end to 1 at ``taper`` metres."""
+    if taper == 0.0:
+        return np.ones_like(points)
+    return np.sin(0.5 * np.pi * np.clip(points / taper, 0.0, 1.0)) ** 2
+
+
+def _projection(wave_number: np.ndarray, length: float, shift: float, sign: float) -> np.ndarray:
+    """Return 2/l times the integral of shape j at x and shape k at x + shift, shape (N, N).
+
+    Of sines with ``sign`` -1, of cosines with 1.
+    """
+    new, old, end = wave_number[:, None], wave_number[None, :], length - shift
+
+    def integral(wave, phase):
+        """Of cos(wave x + phase) from 0 to the end: by its mean phase, for wave = 0 too."""
+        return end * np.cos(0.5 * wave * end + phase) * np.sinc(0.5 * wave * end / np.pi)
+
+    phase = old * shift
+    return (integral(new - old, -phase) + sign * integral(new + old, phase)) / length
 
 
 def _rotation(wave_number: np.ndarray, shift: float) -> np.ndarray:
@@ -114,7 +170,7 @@ def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 
 def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
-    """Move modal coordinates (..., 2, N) of the rail by one pitch.
+    """Move modal coordinates (..., 2, N) of the rail by one slide.
 
     The branches combine to wave amplitudes of deflection and rotation, these
     slide, and separate again. The two participation vectors are orthogonal, so
@@ -126,3 +182,30 @@ def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray
     back_z = rail.deflection / np.sum(rail.deflection**2, axis=0)
     back_psi = rail.rotation / np.sum(rail.rotation**2, axis=0)
     return back_z * z[..., None, :] + back_psi * psi[..., None, :]
+
+
+def keep_under_wheels(
+    rail: RailModes,
+    weight: np.ndarray,
+    places: np.ndarray,
+    shift: float,
+    old: np.ndarray,
+    new: np.ndarray,
+) -> np.ndarray:
+    """Return moved coordinates that give the rail under the wheels its old motion.
+
+    Parameters
+    ----------
+    weight
+        Deflection per unit coordinate that the wheels feel, (2, N).
+    places
+        Of the wheels in the old window, (w,), m.
+    old, new
+        Coordinates before and after the slide, (..., 2, N).
+    """
+    there = rail.waves.shapes(places - shift)
+    wanted = np.sum(weight * old, axis=-2) @ rail.waves.shapes(places)
+    misfit = wanted - np.sum(weight * new, axis=-2) @ there
+    compliance = (there.T * np.sum(weight**2, axis=0)) @ there
+    change = np.linalg.solve(compliance, misfit.reshape(-1, places.size).T)
+    return new + weight * (there @ change).T.reshape(*misfit.shape[:-1], 1, -1)

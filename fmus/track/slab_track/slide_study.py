@@ -99,7 +99,7 @@ def slide_table(
     x = np.linspace(0.0, length, _QUICK_POINTS if quick else _POINTS)
     target = np.where(x + pitch <= length, rail.field(old, np.minimum(x + pitch, length)), 0.0)
     under = rail.field(old, rail.wheels)[0]
-    count = p.rail.mode_count
+    count = p.rail_mode_count
     after, jumps, condition = [], [], []
     for name in WAYS:
         points = way_points(name, length, count, p.sample_count)

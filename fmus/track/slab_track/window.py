@@ -8,7 +8,8 @@ from slab_track.assembly import LinearTrack
 from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack
 from slab_track.parameters import TrackParameters
-from slab_track.slide import SlideOperator, slide_rail
+from slab_track.rail import RailModes
+from slab_track.slide import SlideOperator, keep_under_wheels, slide_rail
 from slab_track.vertical import FieldState
 
 END_MARGIN = 3.0
@@ -29,19 +30,20 @@ def place_window(p: TrackParameters, positions: np.ndarray) -> float:
         If the wheelsets do not fit.
     """
     rear, front = float(np.min(positions)), float(np.max(positions))
-    spare = p.window_length - (front - rear) - p.pitch
+    spare = p.window_length - (front - rear) - p.slide_length
     offset = p.window.vehicle_offset if p.moves else 0.0
     if spare < 2.0 * (END_MARGIN + abs(offset)):
-        longest = p.window_length - p.pitch - 2.0 * (END_MARGIN + abs(offset))
+        longest = p.window_length - p.slide_length - 2.0 * (END_MARGIN + abs(offset))
         raise TrackError(
             f"the wheelsets stand {front - rear:g} m apart, but a window of "
             f"{p.window_length:g} m takes at most {longest:g} m; raise window.slab_count"
             + (" or reduce window.vehicle_offset" if offset else "")
         )
     if p.window.method == "moving_irregularity":
-        return float(np.rint((rear - 0.5 * (spare + p.pitch)) / p.pitch) * p.pitch)
-    margin = 0.5 * spare + offset if p.moves else min(0.5 * spare, 15.0)
-    return float(np.floor((rear - margin) / p.pitch) * p.pitch)
+        return float(np.rint((rear - 0.5 * (spare + p.slide_length)) / p.pitch) * p.pitch)
+    if not p.moves:
+        return float(np.floor((rear - min(0.5 * spare, 15.0)) / p.pitch) * p.pitch)
+    return float(np.floor((rear - 0.5 * spare - offset) / p.slide_length) * p.slide_length)
 
 
 def check_margins(p: TrackParameters, start: float, time: float, x: np.ndarray) -> None:
@@ -59,18 +61,29 @@ def check_margins(p: TrackParameters, start: float, time: float, x: np.ndarray) 
 def slide_fields(
     track: LinearTrack, lateral: LateralTrack, operator: SlideOperator, state: Any
 ) -> tuple[dict[str, Any], float]:
-    """Return the fields of a track state moved by one pitch, and the residual in m.
+    """Return the fields of a track state moved by one slide, and the residual in m.
 
     Displacement, velocity and acceleration move alike; slabs, fastener forces and
     residual compressions move by whole rows.
     """
-    seats = track.seat_count
+    slabs = round(operator.shift / track.pitch)
+    seats = slabs * track.seat_count
+    places = state.history.motion[:, 0] - state.window_start
+
+    def moved(modes: RailModes, weight: np.ndarray, old: np.ndarray) -> np.ndarray:
+        new = slide_rail(modes, operator, old)
+        if operator.constrained:
+            new = keep_under_wheels(modes, weight, places, operator.shift, old, new)
+        return new
+
     old = np.stack([state.symmetric.rail, state.antisymmetric.rail])
-    new = slide_rail(track.rail, operator, old)
+    new = moved(track.rail, track.participation, old)
     changes: dict[str, Any] = {
         name: FieldState(
             rail=rail,
-            slab=np.ascontiguousarray(operator.rows(field.slab.swapaxes(0, 1), 1).swapaxes(0, 1)),
+            slab=np.ascontiguousarray(
+                operator.rows(field.slab.swapaxes(0, 1), slabs).swapaxes(0, 1)
+            ),
             residual=np.ascontiguousarray(operator.rows(field.residual.T, seats).T),
         )
         for name, field, rail in (
@@ -79,7 +92,8 @@ def slide_fields(
         )
     }
     rails = np.empty_like(state.rails)
-    rails[:, :, :2] = slide_rail(lateral.bending, operator, state.rails[:, :, :2])
+    bending = lateral.bending
+    rails[:, :, :2] = moved(bending, bending.deflection, state.rails[:, :, :2])
     rails[:, :, 2] = state.rails[:, :, 2] @ operator.deflection.T
     changes["rails"] = rails
     changes["fastener_force"] = np.ascontiguousarray(operator.rows(state.fastener_force.T, seats).T)

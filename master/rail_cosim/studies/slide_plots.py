@@ -10,21 +10,40 @@ import xarray as xr
 
 from rail_cosim.studies.plots import _BLUE, _DPI, _GRID, _RED, _figure
 
+_SHOWN = ("article: 200 plain modes, M = 250", "sharp end", "default", "hard pads, 180 km/h")
+_DIVERGED = 100.0  # % of the load
+
 
 def plot_slide(dataset: xr.Dataset, path: Path) -> None:
-    """Draw the difference of the wheel forces over the way, a curve for each way of sliding."""
-    figure = _figure(8.4, 4.6)
-    axis = figure.subplots()
-    way = dataset["distance"].to_numpy()
-    for name in dataset["variant"].to_numpy():
-        values = dataset["difference"].sel(variant=name).to_numpy()
-        axis.semilogy(way, values.clip(1e-4), lw=0.9, label=str(name))
+    """Draw the largest difference for each way of sliding, and some of them over the way."""
+    names = [str(name) for name in dataset["variant"].to_numpy()]
     load = dataset.attrs["static_wheel_load"]
-    axis.axhline(1e-4 * load, color="0.3", ls="--", lw=0.8, label="0.01 % of the load")
-    axis.set_xlabel("way (m)")
-    axis.set_ylabel("largest difference of a wheel force (N)")
-    axis.grid(**_GRID)
-    axis.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8)
+    share = 100.0 * dataset["largest_difference"].to_numpy() / load
+    figure = _figure(9.6, 1.6 + 0.24 * len(names))
+    left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.1))
+    rows = np.arange(len(names))
+    hard = ["hard" in name for name in names]
+    felt = np.where(share < _DIVERGED, share, _DIVERGED)
+    left.barh(rows, felt, color=np.where(hard, _RED, _BLUE), height=0.7)
+    left.set_yticks(
+        rows, [n if s < _DIVERGED else f"{n} (diverges)" for n, s in zip(names, share, strict=True)]
+    )
+    left.invert_yaxis()
+    left.set_xscale("log")
+    for limit, colour in ((0.01, _BLUE), (0.1, _RED)):
+        left.axvline(limit, color=colour, ls="--", lw=1.2)
+    left.set_xlabel("largest difference of a wheel force\n(% of the static load; dashed: limits)")
+    way = dataset["distance"].to_numpy()
+    for name in (n for n in _SHOWN if n in names):
+        values = dataset["difference"].sel(variant=name).to_numpy()
+        right.semilogy(way, values.clip(1e-3), lw=0.9, label=name)
+    right.set_xlabel("way (m)")
+    right.set_ylabel("largest difference of a wheel force (N)")
+    right.legend(frameon=False, fontsize=8)
+    for axis in (left, right):
+        axis.grid(**_GRID)
+        axis.set_axisbelow(True)
+        axis.tick_params(labelsize=8)
     figure.savefig(path, dpi=_DPI)
 
 

@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from rail_cosim.options import KM_H, RunOptions
 from rail_cosim.runner import Reporter, execute
 from rail_cosim.studies import StudyOptions, run_study
-from rail_cosim.studies.slide import LEVEL
+from rail_cosim.studies.slide import BEHIND, LEVEL
 from rail_cosim.summary import periods, spectrum, summarise
 from rail_cosim.verification.rows import Curve, Row, Values
 
@@ -217,7 +217,7 @@ def slide_values(reporter: Reporter, distance: float) -> Values:
     """Return how much the place of the slides matters: two runs, half a slab apart."""
     runs = [
         _run(300.0, distance, [f"track.window.vehicle_offset={offset}"], reporter)
-        for offset in (0.0, _OFFSET)
+        for offset in (BEHIND, BEHIND + _OFFSET)
     ]
     first, second = (one[FORCE].to_numpy() for one in runs)
     difference = 0.1 / _LOAD * np.abs(first - second).max(axis=(1, 2))  # % of the static load
