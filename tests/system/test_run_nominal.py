@@ -15,7 +15,6 @@ PASSING = SPEED / SPACING  # 132.5 Hz
 WITHOUT_SLIDES = [
     "--set=track.window.method=moving_mass",
     "--set=track.window.slab_count=20",
-    "--set=track.rail.mode_count=394",  # the same shortest wave as 256 on 13 slabs
 ]
 
 

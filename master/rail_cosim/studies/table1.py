@@ -27,7 +27,7 @@ from rail_cosim.studies.table1_plot import plot_models
 from rail_cosim.summary import amplitudes, distances, periods
 
 _SPEED = 300.0
-_SLABS, _MODES = 13, 256  # the sliding window's
+_SLABS, _MODES = 16, 315  # of the sliding window by default
 _PITCH, _WHEELBASE = 5.032, 20.3  # m; HD line, article's vehicle
 _REAR, _FRONT = 15.0, 15.0  # m; room behind and before a moving mass in its long window
 _RANGE = (2 * _PITCH, 3 * _PITCH)
