@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 _DPI = 200
 _GRID = {"visible": True, "lw": 0.3, "color": "0.8"}
 _WORDS = {"paper": "article's settings", "converged": "converged"}
-_INSIDE = 4  # more entries of a legend than these stand beside the panels
 Draw = Callable[[Axes, xr.Dataset], None]
 _HIGHEST = 400.0  # Hz
 _LOWEST = "_rail_cosim_lowest"
@@ -39,7 +38,7 @@ def panels(
         Of a row in inches.
     """
     settings = [str(s) for s in data["setting"].to_numpy()]
-    figure = Figure(figsize=(8.4, height * len(rows) + 0.3), layout="constrained")
+    figure = Figure(figsize=(9.6, height * len(rows) + 0.3), layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(len(rows), len(settings), sharex="row", sharey="row", squeeze=False)
     for row, draw in zip(grid, rows, strict=True):
@@ -54,11 +53,9 @@ def panels(
             if (lowest := getattr(axes, _LOWEST, None)) is not None:
                 axes.set_ylim(bottom=lowest)
         handles, labels = row[0].get_legend_handles_labels()
-        if len(handles) > _INSIDE:
+        if len(handles) > 1:  # beside the panels, where it hides no curve
             outside = {"loc": "center left", "bbox_to_anchor": (1.01, 0.5)}
             row[-1].legend(handles, labels, frameon=False, fontsize="small", **outside)
-        elif len(handles) > 1:
-            row[-1].legend(handles, labels, framealpha=0.8, edgecolor="none", fontsize="small")
     figure.suptitle(title, fontsize="medium", x=0.01, ha="left")
     figure.savefig(path, dpi=_DPI)
 
