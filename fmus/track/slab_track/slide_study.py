@@ -95,18 +95,19 @@ def slide_table(
     """
     rail = run_to_slide(parameters, speed)
     p, modes = rail.model.parameters, rail.model.linear.rail
-    length, pitch, old = p.window_length, p.pitch, rail.state.symmetric.rail
+    length, pitch, old = p.window_length, p.slide_length, rail.state.symmetric.rail
     x = np.linspace(0.0, length, _QUICK_POINTS if quick else _POINTS)
     target = np.where(x + pitch <= length, rail.field(old, np.minimum(x + pitch, length)), 0.0)
     under = rail.field(old, rail.wheels)[0]
     count = p.rail_mode_count
-    after, jumps, condition = [], [], []
+    after, jumps, condition, turning = [], [], [], []
     for name in WAYS:
         points = way_points(name, length, count, p.sample_count)
         new = _moved(rail, name, points)
         after.append(rail.field(new, x)[[0, 2]])
         jumps.append(np.max(np.abs(rail.field(new, rail.wheels - pitch)[0] - under)))
         condition.append(np.linalg.cond(modes.waves.shapes(points)))
+        turning.append(np.linalg.cond(modes.waves.rotation_shapes(points)))
     force, constant = p.static_wheel_load, p.contact.hertz_constant_used
     approach = constant * force ** (2.0 / 3.0)
     jump = np.array(jumps)
@@ -115,6 +116,7 @@ def slide_table(
         "target": target[[0, 2]],
         "after": np.array(after),
         "condition_number": np.array(condition),
+        "rotation_condition_number": np.array(turning),
         "jump_at_wheels": jump,
         "wheel_force_jump": ((approach + jump) / constant) ** 1.5 - force,
     }
@@ -132,7 +134,7 @@ def _moved(rail: Rail, name: str, points: np.ndarray) -> np.ndarray:
             operator = slide_operator(
                 rail.model.linear.rail,
                 length=p.window_length,
-                shift=p.pitch,
+                shift=p.slide_length,
                 sample_count=points.size,
                 solver="least_squares" if name == "least_squares" else "triangular",
                 points=points,
