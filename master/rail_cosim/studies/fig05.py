@@ -96,8 +96,8 @@ def diverges(dataset: xr.Dataset) -> xr.DataArray:
 def report(dataset: xr.Dataset) -> tuple[Table, str]:
     """Return the table and the conclusion."""
     table = Table(title="Rail at a slide", title_justify="left", title_style="")
-    heads = ("way to solve (10)", "condition,\ndeflection", "condition,\nrotation")
-    jumps = ("deflection\njump, mm", "acceleration\njump, m/s2", "wheel force\njump, N")
+    heads = ("way to solve (10)", "condition:\ndeflection;\nrotation")
+    jumps = ("z jumps,\nmm", "its acc.,\nm/s2", "force,\nN")
     for head in (*heads, *jumps, "diverges"):
         table.add_column(head, justify="left" if head == heads[0] else "right")
     for setting in dataset["setting"].to_numpy():
@@ -106,8 +106,10 @@ def report(dataset: xr.Dataset) -> tuple[Table, str]:
             force = float(one["wheel_force_jump"])
             table.add_row(
                 f"{setting}: {label}",
-                f"{float(one['condition_number']):.2g}",
-                f"{float(one['rotation_condition_number']):.2g}",
+                "; ".join(
+                    f"{float(one[name]):.2g}"
+                    for name in ("condition_number", "rotation_condition_number")
+                ),
                 f"{1e3 * float(one['deflection_jump']):.2g}",
                 f"{float(one['acceleration_jump']):.2g}",
                 f"{force:.2g}",
