@@ -28,6 +28,9 @@ MODELS = {
 }
 """Method and slabs of each model, all with the same shortest wave; the first is the reference."""
 
+SHORTER = "sliding_13_slabs"
+"""The article's window: shown for comparison, and not judged."""
+
 PEAK_LIMIT, HISTORY_LIMIT = 1e-4, 5e-4
 """Relative difference of the peaks; largest difference at any time, in static loads."""
 
@@ -110,13 +113,14 @@ def report(dataset: xr.Dataset) -> tuple[Table, str]:
         off = float(peaks.sel(model=name)) / first - 1.0
         history = float(dataset["difference"].sel(model=name).max()) / load
         good = abs(off) < PEAK_LIMIT and history < HISTORY_LIMIT
-        failed += [] if good else [str(name)]
+        judged = name not in (dataset["model"][0], SHORTER)
+        failed += [str(name)] if judged and not good else []
         table.add_row(
             str(name).replace("_", " "),
             f"{float(peaks.sel(model=name)) / 1e3:.2f}",
             f"{100 * off:.4f}",
             f"{100 * history:.3f}",
-            "pass" if good else "FAIL",
+            ("pass" if good else "FAIL") if judged else "",
         )
     limits = f"{100 * PEAK_LIMIT:g} % of the peak and {100 * HISTORY_LIMIT:g} % of the load"
     verdict = f"beyond it: {', '.join(failed)}" if failed else "all models"
