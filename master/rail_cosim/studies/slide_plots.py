@@ -7,11 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from scipy.ndimage import maximum_filter1d
 
 from rail_cosim.studies.plots import _BLUE, _DPI, _GRID, _RED, _figure
 
 _SHOWN = ("article: 200 plain modes, M = 250", "sharp end", "default", "hard pads, 180 km/h")
 _DIVERGED = 100.0  # % of the load
+_ENVELOPE = 0.3  # m
 
 
 def plot_slide(dataset: xr.Dataset, path: Path) -> None:
@@ -52,18 +54,24 @@ def plot_joint(dataset: xr.Dataset, path: Path) -> None:
     figure = _figure(8.4, 6.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
     way = dataset["distance"].to_numpy()
-    for name, colour in (("moving_mass", _RED), ("sliding", _BLUE)):
+    styles = {"moving_mass": (_RED, "-", 2.6), "sliding": (_BLUE, "--", 1.0)}
+    for name, (colour, dashes, width) in styles.items():
         values = dataset["leading_force"].sel(model=name).to_numpy() / 1e3
-        upper.plot(way, values, color=colour, lw=1.0, label=name.replace("_", " "))
+        label = name.replace("_", " ")
+        upper.plot(way, values, color=colour, ls=dashes, lw=width, label=label)
     upper.set_ylabel("normal force, leading wheel (kN)")
     upper.legend(frameon=False)
+    window = max(1, round(_ENVELOPE / (way[1] - way[0])))
     for name in dataset["model"].to_numpy():
         if name != "moving_mass":
             difference = dataset["difference"].sel(model=name).to_numpy()
+            envelope = maximum_filter1d(difference, window)
             label = str(name).replace("_", " ")
-            lower.semilogy(way, difference.clip(1e-3), lw=0.9, label=label)
+            lower.semilogy(
+                way, envelope.clip(1e-3), lw=2.0 if name == "sliding" else 1.1, label=label
+            )
     lower.set_xlabel("way of the leading wheelset (m)")
-    lower.set_ylabel("largest difference of any wheel\nfrom the moving mass (N)")
+    lower.set_ylabel("largest difference of any wheel from\nthe moving mass within 0.3 m (N)")
     lower.legend(frameon=False)
     for axis in (upper, lower):
         axis.grid(**_GRID)
