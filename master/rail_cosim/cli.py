@@ -232,6 +232,27 @@ def run(
 
 
 @app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(help="A vehicle or a track.", metavar="FMU")],
+) -> None:
+    """Say whether an FMU can be the vehicle or the track of a run.
+
+    Terminals wheelset[i] with units and causality, wheelset_count, what is optional
+    and absent, and the rules of FMI that tools rely on. Nothing is run. Exit status 0
+    if it satisfies the contract, 1 if not, 2 if it is no FMU.
+    """
+    from rail_cosim.check import check_fmu, check_table, verdict
+
+    with _plain_errors():
+        report = check_fmu(fmu)
+    if report.contract or report.manners:
+        _out.print(check_table(report))
+    _out.print(verdict(report), markup=False, highlight=False, soft_wrap=True)
+    if not report.passed:
+        raise typer.Exit(1)
+
+
+@app.command()
 def sweep(
     specification: Annotated[
         Path, typer.Argument(help="TOML file: what to vary, fix and keep.", metavar="SPEC")

@@ -56,7 +56,7 @@ def read_description(path: Path) -> FmuDescription:
     FmuFileError
         If there is no such file, or it is none that this master can run; says which.
     """
-    root = _root(path)
+    root = read_root(path)
     version = root.get("fmiVersion", "")
     interface = root.find("CoSimulation")
     if not version.startswith("2.") or interface is None:
@@ -84,7 +84,14 @@ def read_description(path: Path) -> FmuDescription:
     )
 
 
-def _root(path: Path) -> ElementTree.Element:
+def read_root(path: Path) -> ElementTree.Element:
+    """Return the root element of an FMU's ``modelDescription.xml``.
+
+    Raises
+    ------
+    FmuFileError
+        If there is none.
+    """
     try:
         with zipfile.ZipFile(path) as archive:
             return ElementTree.fromstring(archive.read("modelDescription.xml"))

@@ -1,0 +1,112 @@
+"""Whether an FMU, whoever made it, can be the vehicle or the track of a run."""
+
+from __future__ import annotations
+
+import dataclasses
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Table
+from rich.text import Text
+
+from rail_cosim.contract import Finding, Role, contract_findings, terminal_numbers
+from rail_cosim.description import FmuDescription, read_description, read_root
+from rail_cosim.manners import manners_findings
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class CheckReport:
+    """What :func:`check_fmu` found.
+
+    Attributes
+    ----------
+    description
+        The FMU.
+    role
+        What it is by its terminals; ``None`` for neither.
+    wheelsets
+        Number of its terminals.
+    contract, manners
+        Findings about the contract of vehicle and track, and about FMI itself.
+    """
+
+    description: FmuDescription
+    role: Role | None
+    wheelsets: int
+    contract: Sequence[Finding]
+    manners: Sequence[Finding]
+
+    @property
+    def faults(self) -> list[Finding]:
+        """What makes the FMU fail."""
+        return [f for f in (*self.contract, *self.manners) if f.level == "fault"]
+
+    @property
+    def passed(self) -> bool:
+        """Whether there is no fault."""
+        return not self.faults
+
+
+def check_fmu(path: Path) -> CheckReport:
+    """Check an FMU's description against the contract and against FMI 2.0.
+
+    Nothing is loaded or run, so this says nothing about values.
+
+    Raises
+    ------
+    FmuFileError
+        If the file is no FMI 2.0 co-simulation FMU.
+    """
+    description = read_description(path)
+    role, contract = contract_findings(description.variables)
+    if role is not None and not description.can_save_state:
+        text = "absent: the algorithm iterative-gauss-seidel cannot be used"
+        contract = [*contract, Finding(level="note", subject="canGetAndSetFMUstate", text=text)]
+    with zipfile.ZipFile(path) as archive:
+        members = set(archive.namelist())
+    return CheckReport(
+        description=description,
+        role=role,
+        wheelsets=len(terminal_numbers(description.variables)),
+        contract=contract,
+        manners=manners_findings(read_root(path), members),
+    )
+
+
+def check_table(report: CheckReport) -> Table:
+    """Return the findings as a table: equal ones on the same member in one row."""
+    title = f"{report.description.path.name}: {report.description.model_name}"
+    table = Table(title=Text(title), title_justify="left", title_style="")
+    for head in ("", "about", "finding"):
+        table.add_column(head, overflow="fold")
+    for part, findings in (("contract", report.contract), ("FMI", report.manners)):
+        for level in ("fault", "note"):
+            rows: dict[str, list[str]] = {}
+            for finding in findings:
+                if finding.level == level:
+                    rows.setdefault(finding.text, []).append(finding.subject)
+            for text, subjects in rows.items():
+                table.add_row(f"{part} {level}", Text(_listed(subjects)), Text(text))
+    return table
+
+
+def _listed(subjects: Sequence[str]) -> str:
+    shown = ", ".join(subjects[:4])
+    return shown + (f" and {len(subjects) - 4} more" if len(subjects) > 4 else "")
+
+
+def verdict(report: CheckReport) -> str:
+    """Return the outcome in a sentence."""
+    name, faults = report.description.path.name, len(report.faults)
+    if report.role is None:
+        return f"{name} is neither a vehicle nor a track: it does not satisfy the contract"
+    plural = "" if report.wheelsets == 1 else "s"
+    what = f"{name} is a {report.role} with {report.wheelsets} wheelset{plural}"
+    if faults:
+        have = "1 fault" if faults == 1 else f"{faults} faults"
+        return f"{what}, but does not satisfy the contract: {have}"
+    hint = ""
+    if report.role == "vehicle" and report.wheelsets < 4:
+        hint = f"; run it with --set track.wheelset_count={report.wheelsets}"
+    return f"{what} and satisfies the contract{hint}"
