@@ -13,8 +13,11 @@ from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 
+from rail_cosim.at_rest import values_at_rest
 from rail_cosim.cache import cache_directory
 from rail_cosim.errors import BuildError
+from rail_cosim.osp import OSP_NAME, write_osp
+from rail_cosim.presets import read_preset
 from rail_cosim.ssp import write_ssp
 
 SSP_NAME = "VehicleOnSlabTrack.ssp"
@@ -131,24 +134,38 @@ def built_fmu(recipe: Recipe) -> Path:
     return target
 
 
-def build(out: Path) -> list[Path]:
-    """Build both FMUs and the system description; return the three files.
+def build(
+    out: Path, *, line: str = "HD", vehicle: str = "paper", at_rest: bool = False
+) -> list[Path]:
+    """Build both FMUs and the system descriptions (SSP and OSP); return the four files.
 
     Parameters
     ----------
     out
         Directory, made if it is not there.
+    line, vehicle
+        Parameter sets that the system descriptions use.
+    at_rest
+        Whether to find the static equilibrium of the pair and to put it into the
+        system descriptions, for tools that pass nothing on before the start.
 
     Raises
     ------
     BuildError
         If an FMU cannot be built.
+    UnknownNameError
+        If there is no such parameter set.
     """
     out.mkdir(parents=True, exist_ok=True)
     fmus: dict[str, Path] = {}
     for name, recipe in RECIPES.items():
         fmus[name] = out / f"{recipe.model}.fmu"
         shutil.copyfile(built_fmu(recipe), fmus[name])
-    system = out / SSP_NAME
-    write_ssp(system, fmus, {"track": "HD", "vehicle": "paper"})
-    return [*fmus.values(), system]
+    presets = {"track": line, "vehicle": vehicle}
+    for name, option in (("track", "--line"), ("vehicle", "--vehicle")):
+        read_preset(fmus[name], presets[name], option)
+    start = values_at_rest(fmus, presets) if at_rest else {}
+    ssp, osp = out / SSP_NAME, out / OSP_NAME
+    write_ssp(ssp, fmus, presets, start)
+    write_osp(osp, fmus, presets, start)
+    return [*fmus.values(), ssp, osp]

@@ -112,18 +112,43 @@ def _common(
 
 @app.command()
 def build(
-    out: Annotated[Path, typer.Option(help="Directory for the three files.")] = Path("."),
+    out: Annotated[Path, typer.Option(help="Directory for the four files.")] = Path("."),
+    line: Annotated[
+        str, typer.Option(help="Parameter set of the track in the systems.", metavar="NAME")
+    ] = "HD",
+    vehicle: Annotated[
+        str, typer.Option(help="Parameter set of the vehicle in the systems.", metavar="NAME")
+    ] = "paper",
+    at_rest: Annotated[
+        bool,
+        typer.Option(
+            "--at-rest",
+            help="Find the static equilibrium too, and put it into the systems: for tools that "
+            "pass nothing on before the start.",
+        ),
+    ] = False,
 ) -> None:
-    """Build HighSpeedVehicle.fmu, InfiniteSlabTrack.fmu and VehicleOnSlabTrack.ssp."""
+    """Build HighSpeedVehicle.fmu, InfiniteSlabTrack.fmu, and the system of both for other tools.
+
+    VehicleOnSlabTrack.ssp has all in one; OspSystemStructure.xml is for libcosim.
+    """
     from rail_cosim.builder import build as build_all
 
     with _plain_errors():
-        for path in build_all(out):
+        for path in build_all(out, line=line, vehicle=vehicle, at_rest=at_rest):
             print(path)
 
 
 @app.command()
 def run(
+    system: Annotated[
+        Path | None,
+        typer.Argument(
+            help="An SSP package with a vehicle and a track; none: the options say which.",
+            metavar="[SYSTEM.ssp]",
+            show_default=False,
+        ),
+    ] = None,
     line: Annotated[
         str | None,
         typer.Option(help="Line: HD, ZX, paper. A parameter set of the track FMU.", metavar="NAME"),
@@ -186,9 +211,9 @@ def run(
 ) -> None:
     """Run vehicle and track together and print a summary.
 
-    Parameters come from the parameter sets of --line and --vehicle, then from
-    --speed and --irregularity, then from --set; the last one wins. All in SI
-    units but --speed.
+    Parameters come from the parameter sets of --line and --vehicle, or those bound
+    in SYSTEM.ssp, then from --speed and --irregularity, then from --set; the last one
+    wins. All in SI units but --speed.
 
     For example:
 
@@ -205,6 +230,7 @@ def run(
 
     with _plain_errors():
         options = RunOptions(
+            system=system,
             line=line,
             vehicle=vehicle,
             track=track,

@@ -20,6 +20,8 @@ class RunOptions:
 
     Attributes
     ----------
+    system
+        An SSP package with a vehicle and a track, instead of ``line``, ``vehicle`` and ``track``.
     line
         Parameter set of the track FMU (``HD``, ``ZX``); ``None`` for its defaults.
     vehicle
@@ -55,6 +57,7 @@ class RunOptions:
         The command as typed, for the record.
     """
 
+    system: Path | None = None
     line: str | None = None
     vehicle: str | None = None
     track: Path | None = None
@@ -72,6 +75,12 @@ class RunOptions:
     command: str = ""
 
     def __post_init__(self) -> None:
+        if self.system is not None:
+            others = {"--line": self.line, "--vehicle": self.vehicle, "--track": self.track}
+            for name, value in others.items():
+                if value is not None:
+                    limit = f"{self.system} has vehicle, track and their parameters"
+                    raise ParameterError(name, str(value), limit, "change single ones with --set")
         limits = (
             ("--distance", self.distance, "m"),
             ("--macro-step", self.macro_step, "s"),

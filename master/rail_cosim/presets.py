@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ElementTree
 import zipfile
 from pathlib import Path, PurePosixPath
 
-from rail_cosim.errors import FmuFileError, UnknownNameError
+from rail_cosim.errors import UnknownNameError
+from rail_cosim.ssv import read_entries
 
 FOLDER = "resources/presets/"
-_NAMESPACE = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 
 
 def preset_files(fmu: Path) -> dict[str, bytes]:
@@ -32,13 +31,5 @@ def read_preset(fmu: Path, name: str, option: str) -> dict[str, str]:
     files = preset_files(fmu)
     if name not in files:
         raise UnknownNameError(option, name, files, f"parameter set in {fmu.name}", wanted=name)
-    try:
-        root = ElementTree.fromstring(files[name])
-    except ElementTree.ParseError as error:
-        raise FmuFileError(f"{fmu}: {FOLDER}{name}.ssv cannot be read ({error})") from error
-    values: dict[str, str] = {}
-    for parameter in root.iter(f"{_NAMESPACE}Parameter"):
-        for entry in parameter:
-            if "value" in entry.attrib:
-                values[parameter.attrib["name"]] = entry.attrib["value"]
-    return values
+    entries = read_entries(files[name], f"{fmu}: {FOLDER}{name}.ssv")
+    return {entry.name: entry.value for entry in entries}

@@ -36,6 +36,7 @@ from rail_cosim.recorder import Recorder
 from rail_cosim.results import check_netcdf, check_writable, to_dataset, write_netcdf
 from rail_cosim.simulation import Outcome, Simulation
 from rail_cosim.slave import Slave, Value
+from rail_cosim.ssp_reader import read_ssp
 from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
@@ -74,6 +75,7 @@ class Quiet:
 
 
 def run(
+    system: str | Path | None = None,
     *,
     line: str | None = None,
     vehicle: str | Path | None = None,
@@ -95,7 +97,9 @@ def run(
 
     Parameters
     ----------
-    line, vehicle, track, distance, until_steady, macro_step, algorithm, record_every, out, plot
+    system, line, vehicle, track, distance, until_steady
+        As in :class:`RunOptions`.
+    macro_step, algorithm, record_every, out, plot
         As in :class:`RunOptions`.
     speed, final_speed
         In km/h, as on the command line.
@@ -115,6 +119,7 @@ def run(
         written to ``out`` all the same.
     """
     options = RunOptions(
+        system=None if system is None else Path(system),
         line=line,
         vehicle=None if vehicle is None else str(vehicle),
         track=None if track is None else Path(track),
@@ -143,8 +148,15 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         check_writable(options.plot)
     make_algorithm(options.algorithm)
     reporter.stage("finding the FMUs")
-    descriptions, presets = find_fmus(options)
-    parameters = gather_parameters(options, descriptions, presets)
+    if options.system is not None:
+        package = read_ssp(options.system)
+        for remark in package.remarks:
+            reporter.notice(remark)
+        descriptions = dict(package.descriptions)
+        parameters = gather_parameters(options, descriptions, {}, package.parameters)
+    else:
+        descriptions, presets = find_fmus(options)
+        parameters = gather_parameters(options, descriptions, presets)
     dataset, outcome = simulate(options, descriptions, parameters, reporter)
     if options.out:
         reporter.stage(f"writing {options.out}")
@@ -176,11 +188,14 @@ def gather_parameters(
     options: RunOptions,
     descriptions: Mapping[str, FmuDescription],
     presets: Mapping[str, str],
+    bound: Mapping[str, Mapping[str, str]] | None = None,
 ) -> dict[str, dict[str, Value]]:
-    """Return all values to set, checked: presets, then options, then settings.
+    """Return all values to set, checked: presets, bound values, then options, then settings.
+
+    ``bound`` are values that came with the FMUs, in an SSP package.
 
     What the vehicle tells the track (:data:`rail_cosim.initialisation.PASSED`) is not taken
-    from the track's preset.
+    from the track's preset, nor from what is bound to it.
 
     Raises
     ------
@@ -193,6 +208,8 @@ def gather_parameters(
     for name, preset in presets.items():
         found = read_preset(descriptions[name].path, preset, option_of[name])
         values[name].update(checked(name, known[name], found))
+    for name, given in (bound or {}).items():
+        values[name].update(checked(name, known[name], given))
     for source, target in PASSED.items():
         if source in known["vehicle"]:
             values["track"].pop(target, None)

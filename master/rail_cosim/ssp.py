@@ -5,22 +5,30 @@ from __future__ import annotations
 import io
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from rail_cosim.connections import Connection, connect
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.presets import preset_files
+from rail_cosim.slave import Value
+from rail_cosim.ssv import SSC as _SSC
+from rail_cosim.ssv import add_units, parameter_set
 
 _ROOT = "http://ssp-standard.org/SSP1/"
 _SSD = f"{{{_ROOT}SystemStructureDescription}}"
-_SSC = f"{{{_ROOT}SystemStructureCommon}}"
+START = "start"
 _SSV_TYPE = "application/x-ssp-parameter-set"
 _FIXED_TIME = (2000, 1, 1, 0, 0, 0)  # the same content gives the same file
 
 
-def write_ssp(path: Path, fmus: Mapping[str, Path], presets: Mapping[str, str]) -> None:
+def write_ssp(
+    path: Path,
+    fmus: Mapping[str, Path],
+    presets: Mapping[str, str],
+    start: Mapping[str, Mapping[str, Value]] | None = None,
+) -> None:
     """Write an SSP with these FMUs, connected by equal names.
 
     Parameters
@@ -32,6 +40,9 @@ def write_ssp(path: Path, fmus: Mapping[str, Path], presets: Mapping[str, str]) 
     presets
         For a component the parameter set it is bound to, of those its FMU
         carries; the others are in the package too, to be exchanged for it.
+    start
+        Further values by component and variable, bound after that as a set
+        called ``start``.
 
     Raises
     ------
@@ -40,20 +51,26 @@ def write_ssp(path: Path, fmus: Mapping[str, Path], presets: Mapping[str, str]) 
     """
     descriptions = {name: read_description(fmu) for name, fmu in fmus.items()}
     files: dict[str, bytes] = {}
-    bindings: dict[str, str] = {}
+    bindings: dict[str, list[str]] = {}
     for name, fmu in fmus.items():
         files[f"resources/{fmu.name}"] = fmu.read_bytes()
         for preset, content in preset_files(fmu).items():
             member = f"resources/{name}-{preset}.ssv"
             files[member] = content
             if presets.get(name) == preset:
-                bindings[name] = member
+                bindings.setdefault(name, []).append(member)
+    for name, values in (start or {}).items():
+        about, member = descriptions[name], f"resources/{name}-{START}.ssv"
+        files[member] = parameter_set(START, values, about.variables, about.units)
+        bindings.setdefault(name, []).append(member)
     files["SystemStructure.ssd"] = structure(path.stem, descriptions, bindings)
     _write_zip(path, files)
 
 
 def structure(
-    title: str, descriptions: Mapping[str, FmuDescription], bindings: Mapping[str, str]
+    title: str,
+    descriptions: Mapping[str, FmuDescription],
+    bindings: Mapping[str, Sequence[str]],
 ) -> bytes:
     """Return the ``SystemStructure.ssd`` of a system.
 
@@ -68,7 +85,8 @@ def structure(
     descriptions
         The FMUs by component name.
     bindings
-        For a component the ``.ssv`` file bound to it, as a path in the package.
+        For a component the ``.ssv`` files bound to it, as paths in the package;
+        later ones win.
     """
     for prefix, space in (("ssd", _SSD), ("ssc", _SSC)):
         ElementTree.register_namespace(prefix, space.strip("{}"))
@@ -78,7 +96,7 @@ def structure(
     elements = SubElement(system, f"{_SSD}Elements")
     used: set[str] = set()
     for name, description in descriptions.items():
-        used |= _component(elements, name, description, connections, bindings.get(name))
+        used |= _component(elements, name, description, connections, bindings.get(name, ()))
     _connections(system, connections)
     _units(root, used, descriptions.values())
     SubElement(root, f"{_SSD}DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
@@ -93,7 +111,7 @@ def _component(
     name: str,
     description: FmuDescription,
     connections: Iterable[Connection],
-    binding: str | None,
+    bindings: Sequence[str],
 ) -> set[str]:
     """Add a component; return the units its connectors use."""
     component = SubElement(
@@ -119,8 +137,9 @@ def _component(
         SubElement(connector, f"{_SSC}Real", {"unit": variable.unit} if known else {})
         if known:
             units.add(variable.unit)
-    if binding:
+    if bindings:
         holder = SubElement(component, f"{_SSD}ParameterBindings")
+    for binding in bindings:
         SubElement(holder, f"{_SSD}ParameterBinding", {"type": _SSV_TYPE, "source": binding})
     return units
 
@@ -141,13 +160,8 @@ def _connections(system: Element, connections: Iterable[Connection]) -> None:
 
 
 def _units(root: Element, used: set[str], descriptions: Iterable[FmuDescription]) -> None:
-    if not used:
-        return
-    holder = SubElement(root, f"{_SSD}Units")
     definitions = {name: base for d in descriptions for name, base in d.units.items()}
-    for name in sorted(used):
-        unit = SubElement(holder, f"{_SSC}Unit", {"name": name})
-        SubElement(unit, f"{_SSC}BaseUnit", dict(definitions[name]))
+    add_units(root, f"{_SSD}Units", sorted(used), definitions)
 
 
 def _write_zip(path: Path, files: Mapping[str, bytes]) -> None:

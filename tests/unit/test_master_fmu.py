@@ -17,6 +17,8 @@ from rail_cosim.cache import VARIABLE, is_plain, plain_directory
 from rail_cosim.description import read_description
 from rail_cosim.errors import BuildError, FmuFileError, RailCosimError
 from rail_cosim.extraction import extract
+from rail_cosim.osp import OSP_NAME
+from rail_cosim.ssp import write_ssp
 
 PACKAGES = ("rail_quantities", "rail_fmi")
 RECIPES = {
@@ -438,7 +440,8 @@ def test_an_fmu_is_built_anew_only_when_its_sources_change(cache, tmp_path, monk
 def test_build_makes_both_fmus_and_the_system(cache, tmp_path, monkeypatch):
     monkeypatch.setattr("rail_cosim.builder.RECIPES", RECIPES)
     files = build(tmp_path / "out")
-    assert [path.name for path in files] == ["MiniVehicle.fmu", "MiniTrack.fmu", SSP_NAME]
+    expected = ["MiniVehicle.fmu", "MiniTrack.fmu", SSP_NAME, OSP_NAME]
+    assert [path.name for path in files] == expected
     ssd = read_ssd(files[2])
     assert {c.name for c in find_components(ssd.system)} == {"vehicle", "track"}
     first = [path.read_bytes() for path in files]
@@ -467,3 +470,20 @@ def test_a_failed_build_gives_the_reason(tmp_path, monkeypatch):
     recipe = Recipe(model="Made", entry="made_entry", packages=PACKAGES)
     with pytest.raises(BuildError, match=r"Made\.fmu could not be built: .*the mould is broken"):
         build_one(recipe, tmp_path / "out")
+
+
+def test_a_package_with_foreign_fmus_runs_as_its_parts_do(fmus, ran, python, tmp_path):
+    """Other component names; the line's values are bound in the package."""
+    write_ssp(
+        tmp_path / "Pair.ssp", {"Rad": fmus["vehicle"], "Gleis": fmus["track"]}, {"Gleis": "HD"}
+    )
+    script = """
+        import sys, rail_cosim
+        data = rail_cosim.run(sys.argv[1], speed=300, distance=40, out=sys.argv[2])
+        print(data.attrs["track.fastener.count_per_slab"])
+    """
+    assert python(script, tmp_path / "Pair.ssp", tmp_path / "ssp.nc").split() == ["8"]
+    with xr.open_dataset(tmp_path / "ssp.nc", engine="h5netcdf") as found:
+        expected = dataset(ran, "steady.nc")
+        assert (found["normal_force"] == expected["normal_force"]).all()
+        assert found.sizes["time"] == expected.sizes["time"]
