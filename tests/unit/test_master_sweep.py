@@ -280,6 +280,28 @@ def test_all_in_the_store_needs_no_workers(tmp_path, client):
     assert [result.error for result in again].count("") == 5
 
 
+@pytest.mark.parametrize("engine", [None, "h5netcdf"])
+def test_the_store_gives_back_what_it_was_given(engine, tmp_path):
+    """Also from HDF5 files, as stores of earlier versions have them."""
+    about = {"units": "m/s²", "long_name": "acceleration"}
+    data = xr.Dataset(
+        {"peak": (("wheelset", "side"), np.array([[1.5, np.nan]]), about), "steady": ((), 1)},
+        coords={"wheelset": [1], "side": ["left", "right"]},
+    )
+    result = PointResult(data=data, error="Weiche ≠ gerade", remarks=("a", "b, c"))
+    store = Store(tmp_path)
+    store.save("key", result)
+    if engine:
+        with xr.open_dataset(store.path("key"), engine="scipy") as file:
+            old = file.load()
+        old.to_netcdf(store.path("key"), engine=engine)
+    found = store.load("key")
+    assert found.data.identical(data)
+    assert (found.error, found.remarks) == (result.error, result.remarks)
+    store.path("bad").write_bytes(b"CDF but no more")
+    assert store.load("bad") is None
+
+
 def crashing(task):
     if task.options.speed == 300:
         raise MemoryError("no more")
