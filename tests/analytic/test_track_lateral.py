@@ -6,7 +6,8 @@ import scipy.linalg
 from dense_lateral import dense_lateral
 from slab_track import TrackModel, TrackParameters
 from slab_track.equilibrium import rails_at_rest, unit_compliance
-from slab_track.lateral import assemble_lateral, lateral_operator, static_rail, wheel_compliance
+from slab_track.lateral import assemble_lateral, lateral_operator, static_rail
+from slab_track.lateral_step import wheel_compliance
 from slab_track.parameters import Fastener, Integration, Rail, Slab, Window
 
 RAIL = Rail()
@@ -309,7 +310,8 @@ def test_tabulated_wheel_compliance_is_that_of_the_dense_step(x, tolerance):
     system = dense.mass + 0.5 * step * dense.damping + 0.25 * step**2 * dense.stiffness
     exact = 0.25 * step**2 * rows @ scipy.linalg.solve(system, rows.T, assume_a="pos")
     found = np.empty(3)
-    wheel_compliance(lateral_operator(assemble_lateral(parameters), step), x, found)
+    operator = lateral_operator(assemble_lateral(parameters), step)
+    wheel_compliance(operator.compliance, operator.spacing, x, found)
     np.testing.assert_allclose(found[[0, 2]], exact[[0, 1], [0, 1]], rtol=tolerance)
     # Only the fasteners couple y and roll: within one step far below the geometric mean.
     scale = np.sqrt(exact[0, 0] * exact[1, 1])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rail_quantities import ParameterError, UnknownParameterError, flatten, with_values
 from slab_track import HD, ZX, TrackError, TrackModel, TrackParameters
-from slab_track.motion import MotionHistory
+from slab_track.motion import extrapolate
 from slab_track.presets import PAPER
 
 
@@ -119,12 +119,13 @@ def test_history_reproduces_a_cubic_and_falls_back_to_positions():
         motion[0, 7] = cubic(t)[1][0] if with_rate else 0.0
         return motion
 
-    history = MotionHistory.begin(0.0, row(0.0)).push(0.1, row(0.1))
-    path = history.path(np.array([0.15, 0.2]))
-    np.testing.assert_allclose(path[:, 0, 2], [cubic(0.15)[0][0], cubic(0.2)[0][0]], rtol=1e-12)
-    bare = MotionHistory.begin(0.0, row(0.0, False)).push(0.1, row(0.1, False))
+    found = np.empty((1, 11))
+    for tau in (0.05, 0.1):
+        extrapolate(tau, 0.1, row(0.1), row(0.0), np.ones(5), found)
+        assert found[0, 2] == pytest.approx(cubic(0.1 + tau)[0][0], rel=1e-12)
+    extrapolate(0.1, 0.1, row(0.1, False), row(0.0, False), np.zeros(5), found)
     slope = (cubic(0.1)[0][0] - cubic(0.0)[0][0]) / 0.1
-    assert bare.path(np.array([0.2]))[0, 0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)
+    assert found[0, 2] == pytest.approx(cubic(0.1)[0][0] + 0.1 * slope)
 
 
 def test_level_contact_refuses_internal_steps_at_which_its_wheels_bounce():

@@ -11,7 +11,7 @@ from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT, ContactTables
 from slab_track.contact.wheelset import wheel_rail_contact
 from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack, static_rail
-from slab_track.stepping import WheelState
+from slab_track.state import WheelState
 from slab_track.wheels import hertz_force
 
 _ROUNDS = 100

@@ -13,8 +13,11 @@ size. Fasteners are equidistant, and so are their images: a row of the table
 holds the kernel for one place between two fasteners at all fasteners.
 """
 
-import numba
+import math
+
 import numpy as np
+
+from slab_track.compiled import entry, kernel, stream
 
 PHASES = 256
 """Table points per fastener bay."""
@@ -41,7 +44,7 @@ def kernel_table(weights: np.ndarray, fastener_count: int, *, ring: bool = False
     return values[(row[:, None] - PHASES * column) % points]
 
 
-@numba.njit(cache=True)
+@kernel
 def _weights(fraction):
     """Cubic Lagrange weights at -1, 0, 1, 2 for a fraction in [0, 1)."""
     f = fraction
@@ -53,21 +56,23 @@ def _weights(fraction):
     )
 
 
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _add_line(table, fraction, first, sign, out):
-    """Add the kernel at a fraction of a bay, in neighbouring columns from ``first`` on."""
-    phase = fraction * PHASES
-    row = int(phase)
-    w0, w1, w2, w3 = _weights(phase - row)
-    last = first + out.size
-    t0, t1 = table[row, first:last], table[row + 1, first:last]
-    t2, t3 = table[row + 2, first:last], table[row + 3, first:last]
-    w0, w1, w2, w3 = sign * w0, sign * w1, sign * w2, sign * w3
-    for i in range(out.size):
-        out[i] += w0 * t0[i] + w1 * t1[i] + w2 * t2[i] + w3 * t3[i]
+@stream
+def _add_line(table, row, w0, w1, w2, w3, column, first, last, out):
+    """Add the kernel between four rows to ``out`` from ``first`` to ``last``.
+
+    The columns of the table are neighbours too, the first one is ``column``.
+    """
+    shift = column - first
+    for i in range(first, last):
+        out[i] += (
+            w0 * table[row, shift + i]
+            + w1 * table[row + 1, shift + i]
+            + w2 * table[row + 2, shift + i]
+            + w3 * table[row + 3, shift + i]
+        )
 
 
-@numba.njit(cache=True)
+@entry
 def to_fasteners(table, position, out):
     """Fill ``out`` (P,) with the response at all fasteners to a force at ``position``.
 
@@ -75,23 +80,29 @@ def to_fasteners(table, position, out):
     """
     count, period = out.size, table.shape[1]
     place = position + 0.5
-    bay = int(np.floor(place))
-    fraction = place - bay
+    bay = math.floor(place)
+    phase = (place - bay) * PHASES
+    row = int(phase)
+    w0, w1, w2, w3 = _weights(phase - row)
     if bay == 0 and period == count:
         bay = count
-    out[:] = 0.0
+    for i in range(count):
+        out[i] = 0.0
     # Fastener i is fraction - (i + 1 - bay) bays back.
     behind = min(max(bay - 1, 0), count)
-    _add_line(table, fraction, period - behind, 1.0, out[:behind])
-    _add_line(table, fraction, behind + 1 - bay, 1.0, out[behind:])
+    _add_line(table, row, w0, w1, w2, w3, period - behind, 0, behind, out)
+    _add_line(table, row, w0, w1, w2, w3, behind + 1 - bay, behind, count, out)
     if period > count:  # K is even: K(fraction + bay + i) = K(1 - fraction - (bay + i + 1)).
+        phase = PHASES - phase
+        row = int(phase)
+        w0, w1, w2, w3 = _weights(phase - row)
         before = min(period - bay - 1, count)
-        _add_line(table, 1.0 - fraction, bay + 1, -1.0, out[:before])
-        _add_line(table, 1.0 - fraction, 0, -1.0, out[before:])
+        _add_line(table, row, -w0, -w1, -w2, -w3, bay + 1, 0, before, out)
+        _add_line(table, row, -w0, -w1, -w2, -w3, 0, before, count, out)
 
 
-@numba.njit(cache=True)
-def between(table, first, second, ring=False):
+@entry
+def between(table, first, second, ring):
     """Response at ``second`` to a force at ``first``, both in bays from the window's start."""
     direct = _kernel(table, abs(first - second))
     if ring:
@@ -99,9 +110,9 @@ def between(table, first, second, ring=False):
     return direct - _kernel(table, first + second)
 
 
-@numba.njit(cache=True)
+@kernel
 def _kernel(table, distance):
-    bay = int(np.floor(distance))
+    bay = math.floor(distance)
     phase = (distance - bay) * PHASES
     row = int(phase)
     w0, w1, w2, w3 = _weights(phase - row)

@@ -16,10 +16,8 @@ compliance; at the fasteners they are below one per cent.
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
-from slab_track.oscillators import FAST, add_force, fold, step_undamped, unfold
 from slab_track.parameters import TrackParameters
 from slab_track.rail import RailModes, timoshenko_modes
 from slab_track.waves import fastener_shapes, fold_table, waves
@@ -236,7 +234,7 @@ def _without_springs(
 def _sprung(operator: LateralOperator, load: np.ndarray) -> np.ndarray:
     """Coordinates (3, N) under wave forces and moments (2, N), fasteners included."""
     extension = _extension(operator, operator.response * load)
-    net = load - _fastener_wave_force(operator, solve_fasteners(operator, extension))
+    net = load - _fastener_wave_force(operator, _solve_fasteners(operator, extension))
     return operator.weight * operator.amplitude * net[[0, 0, 1]]
 
 
@@ -269,7 +267,7 @@ def _compliance_table(operator: LateralOperator, track: LateralTrack) -> np.ndar
         for load in (force, moment):
             free = np.stack([operator.response[0] * load[0], operator.response[1] * load[1]])
             held = free - operator.response * _fastener_wave_force(
-                operator, solve_fasteners(operator, _extension(operator, free))
+                operator, _solve_fasteners(operator, _extension(operator, free))
             )
             answers.append(held @ shape)
         table[row] = answers[0][0], answers[0][1], answers[1][1]
@@ -285,137 +283,12 @@ def _extension(operator: LateralOperator, displacement: np.ndarray) -> np.ndarra
     return folded * operator.gain[:, None]
 
 
-@numba.njit(cache=True)
-def solve_fasteners(operator, extension):
+def _solve_fasteners(operator: LateralOperator, extension: np.ndarray) -> np.ndarray:
     """Return lateral force and moment of the fasteners, folded, shape (2, P)."""
-    force = np.empty_like(extension)
-    for i in range(extension.shape[1]):
-        a, b = extension[0, i], extension[1, i]
-        force[0, i] = operator.solve[0, 0, i] * a + operator.solve[0, 1, i] * b
-        force[1, i] = operator.solve[1, 0, i] * a + operator.solve[1, 1, i] * b
-    return force
+    return np.einsum("ijp,jp->ip", operator.solve, extension)
 
 
-@numba.njit(cache=True)
-def _fastener_wave_force(operator, force):
+def _fastener_wave_force(operator: LateralOperator, force: np.ndarray) -> np.ndarray:
     """Wave force and moment that the fasteners take from the rail, shape (2, N)."""
-    wave, taken = np.empty((2, operator.fold_index.size)), np.empty_like(force)
-    for i in range(force.shape[1]):
-        taken[0, i] = operator.class_weight[i] * force[0, i]
-        taken[1, i] = operator.class_weight[i] * (force[1, i] - operator.foot * force[0, i])
-    unfold(operator.fold_index, operator.fold_sign, taken[0], wave[0])
-    unfold(operator.fold_index, operator.fold_sign, taken[1], wave[1])
-    return wave
-
-
-class FreeRail(NamedTuple):
-    """A step of one rail without wheel forces.
-
-    Attributes
-    ----------
-    fastener
-        Lateral force and moment of the fasteners, folded, (2, P).
-    motion
-        Displacement, roll and their rates under the wheels, (w, 4).
-    """
-
-    fastener: np.ndarray
-    motion: np.ndarray
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
-def _waves(operator, coordinates, displacement, roll):
-    """Fill the wave amplitudes of displacement and roll, (N,) each, from coordinates (3N,)."""
-    count = displacement.size
-    bending, shear, torsion = operator.amplitude[0], operator.amplitude[1], operator.amplitude[2]
-    lower, upper = coordinates[:count], coordinates[count : 2 * count]
-    for k in range(count):
-        displacement[k] = bending[k] * lower[k] + shear[k] * upper[k]
-    angle = coordinates[2 * count :]
-    for k in range(count):
-        roll[k] = torsion[k] * angle[k]
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
-def _hold(waves, response, taken, rate):
-    """Take the answer to wave forces (N,) from displacement and rate (N,), in place."""
-    displacement, velocity = waves[0], waves[1]
-    for k in range(taken.size):
-        displacement[k] -= response[k] * taken[k]
-    for k in range(taken.size):
-        velocity[k] -= rate * (response[k] * taken[k])
-
-
-@numba.njit(cache=True)
-def free_rail(operator, old, shapes, step, new):
-    """Step a rail (3, 3, N) with fasteners but without wheel forces.
-
-    Writes the coordinates, free of all forces yet, to ``new``, which may be ``old``; returns a
-    :class:`FreeRail`.
-    """
-    step_undamped(old.reshape(3, -1), operator.softening, step, new.reshape(3, -1))
-    # Displacement and its rate, roll and its rate.
-    waves = np.empty((4, shapes.shape[1]))
-    for rate in range(2):
-        _waves(operator, new[rate].ravel(), waves[rate], waves[2 + rate])
-    folded = np.empty((4, operator.class_weight.size))
-    for i in range(4):
-        fold(operator.fold_index, operator.fold_sign, waves[i], folded[i])
-    stiffness, damping, foot = operator.stiffness, operator.damping, operator.foot
-    extension = np.empty((2, folded.shape[1]))
-    for i in range(folded.shape[1]):
-        extension[0, i] = stiffness[0] * (folded[0, i] - foot * folded[2, i]) + damping[0] * (
-            folded[1, i] - foot * folded[3, i]
-        )
-        extension[1, i] = stiffness[1] * folded[2, i] + damping[1] * folded[3, i]
-    fastener = solve_fasteners(operator, extension)
-    taken = _fastener_wave_force(operator, fastener)
-    for direction in range(2):
-        _hold(
-            waves[2 * direction : 2 * direction + 2],
-            operator.response[direction],
-            taken[direction],
-            2.0 / step,
-        )
-    motion = shapes @ waves.T
-    ordered = np.empty_like(motion)
-    for wheel in range(motion.shape[0]):
-        ordered[wheel, 0], ordered[wheel, 1] = motion[wheel, 0], motion[wheel, 2]
-        ordered[wheel, 2], ordered[wheel, 3] = motion[wheel, 1], motion[wheel, 3]
-    return FreeRail(fastener, ordered)
-
-
-@numba.njit(cache=True)
-def close_rail(operator, free, shapes, forces, step, new):
-    """Add wheel forces and moments (wheels, 2) and fastener forces to a free step, in place."""
-    load = forces.T @ shapes
-    count = load.shape[1]
-    answer = operator.response * load
-    folded = np.empty((2, operator.class_weight.size))
-    for direction in range(2):
-        fold(operator.fold_index, operator.fold_sign, answer[direction], folded[direction])
-    for i in range(folded.shape[1]):
-        roll = folded[1, i]
-        folded[0, i] = operator.gain[0] * (folded[0, i] - operator.foot * roll)
-        folded[1, i] = operator.gain[1] * roll
-    load -= _fastener_wave_force(operator, free.fastener + solve_fasteners(operator, folded))
-    rail = new.reshape(3, -1)
-    for branch in range(3):
-        force = load[1] if branch == 2 else load[0]
-        add_force(rail, branch * count, operator.drive[branch], force, step)
-
-
-@numba.njit(cache=True)
-def wheel_compliance(operator, position, out):
-    """Modal compliance (y/F, y/M, roll/M) under a wheel at ``position``, m, into ``out`` (3,)."""
-    bays = position / operator.spacing + 0.5
-    phase = (bays - np.floor(bays)) * PHASES
-    row = int(phase)
-    f = phase - row
-    for i in range(3):
-        p0, p1 = operator.compliance[row, i], operator.compliance[row + 1, i]
-        p2 = operator.compliance[row + 2, i]
-        p3 = operator.compliance[min(row + 3, PHASES + 2), i]
-        out[i] = p1 + 0.5 * f * (
-            p2 - p0 + f * (2.0 * p0 - 5.0 * p1 + 4.0 * p2 - p3 + f * (3.0 * (p1 - p2) + p3 - p0))
-        )
+    taken = operator.class_weight * np.stack([force[0], force[1] - operator.foot * force[0]])
+    return operator.fold_sign * taken[:, operator.fold_index]

@@ -5,10 +5,9 @@ only. Between the last two points they define a cubic (Hermite); used beyond the
 last point it extrapolates with a local error of order H^4.
 """
 
-from typing import NamedTuple
+import math
 
-import numba
-import numpy as np
+from slab_track.compiled import entry, kernel
 
 VELOCITY_COLUMNS = slice(5, 10)
 """Rates of x, y, z, roll, yaw in a motion row (see :data:`MOTION`)."""
@@ -29,66 +28,73 @@ MOTION = (
 """Columns of a motion array, shape (wheelsets, 11); SI units."""
 
 
-class MotionHistory(NamedTuple):
-    """The last two communication points.
+@kernel
+def push(motion, is_new, now, before, rates_seen):
+    """Take in a communication point; False if a number of it is not finite.
 
-    Attributes
-    ----------
-    time, previous_time
-        Times in s; ``previous_time`` is NaN while there is only one point.
-    motion, previous
-        Motion arrays, shape (wheelsets, 11).
-    rates_seen
-        True for the five channels whose velocity was ever different from zero.
-        Where a partner leaves velocities unconnected, positions alone are used.
+    ``motion`` (wheelsets, 11) replaces the last point ``now``, which becomes the one ``before``
+    it if the new one ``is_new``, not the same instant once more. ``rates_seen`` (5,) says which
+    channels had a velocity different from zero at any time (1) or never (0): where a partner leaves
+    velocities unconnected, positions alone are used.
     """
-
-    time: float
-    previous_time: float
-    motion: np.ndarray
-    previous: np.ndarray
-    rates_seen: np.ndarray
-
-    @classmethod
-    def begin(cls, time: float, motion: np.ndarray) -> "MotionHistory":
-        """Start with a single communication point."""
-        seen = np.any(motion[:, VELOCITY_COLUMNS] != 0.0, axis=0)
-        return cls(time, np.nan, motion.copy(), motion.copy(), seen)
-
-    def push(self, time: float, motion: np.ndarray) -> "MotionHistory":
-        """Return the history with one more communication point."""
-        motion, seen = motion.copy(), self.rates_seen.copy()
-        _look_for_rates(motion, seen)
-        if time == self.time:
-            return MotionHistory(time, self.previous_time, motion, self.previous, seen)
-        return MotionHistory(time, self.time, motion, self.motion, seen)
-
-    def path(self, times: np.ndarray) -> np.ndarray:
-        """Return motion rows at ``times``, shape (times, wheelsets, 11)."""
-        return _path(
-            times - self.time,
-            self.time - self.previous_time,
-            self.motion,
-            self.previous,
-            self.rates_seen,
-        )
-
-
-@numba.njit(cache=True)
-def _look_for_rates(motion, seen):
-    """Mark the channels whose velocity is not zero, in place."""
+    finite = True
     for wheelset in range(motion.shape[0]):
+        for column in range(11):
+            value = motion[wheelset, column]
+            finite &= math.isfinite(value)
+            if is_new:
+                before[wheelset, column] = now[wheelset, column]
+            now[wheelset, column] = value
         for channel in range(5):
             if motion[wheelset, channel + 5] != 0.0:
-                seen[channel] = True
+                rates_seen[channel] = 1.0
+    return finite
 
 
-@numba.njit(cache=True)
-def finite_reach(motion, path, out):
-    """Fill ``out`` with what a step must check about the wheelsets' motion.
+@entry
+def extrapolate(tau, span, now, before, rates_seen, out):
+    """Evaluate the polynomials and their rates ``tau`` seconds after the last point.
 
-    Smallest and largest position on ``path`` (steps, wheelsets, 11), and at its end, m, (4,).
-    Returns False if a number in ``motion`` is not finite.
+    Parameters
+    ----------
+    tau
+        s.
+    span
+        Time between the points ``before`` and ``now``, s; NaN if there is only one.
+    now, before, rates_seen
+        As in :func:`push`.
+    out
+        Receives the motion, (wheelsets, 11).
+    """
+    for wheelset in range(now.shape[0]):
+        for channel in range(5):
+            value, rate = now[wheelset, channel], now[wheelset, channel + 5]
+            seen = rates_seen[channel] != 0.0
+            if not seen:
+                rate = 0.0
+            quadratic = cubic = 0.0
+            if span > 0.0:
+                earlier = before[wheelset, channel]
+                if seen:
+                    # value + rate tau + A tau^2 + B tau^3 through the previous point.
+                    d0 = (earlier - value + rate * span) / span**2
+                    d1 = (rate - before[wheelset, channel + 5]) / span
+                    quadratic, cubic = 3.0 * d0 - d1, (2.0 * d0 - d1) / span
+                else:
+                    rate = (value - earlier) / span
+            out[wheelset, channel] = value + tau * (rate + tau * (quadratic + tau * cubic))
+            out[wheelset, channel + 5] = rate + tau * (2.0 * quadratic + 3.0 * tau * cubic)
+        spin, slope = now[wheelset, 10], 0.0
+        if span > 0.0:
+            slope = (spin - before[wheelset, 10]) / span
+        out[wheelset, 10] = spin + slope * tau
+
+
+@kernel
+def reach(path, out):
+    """Fill ``out`` (4,) with the smallest and largest position on a path, and at its end, m.
+
+    ``path`` has the shape (steps, wheelsets, 11).
     """
     last = path.shape[0] - 1
     out[0] = out[1] = path[0, 0, 0]
@@ -99,38 +105,3 @@ def finite_reach(motion, path, out):
             out[0], out[1] = min(out[0], x), max(out[1], x)
             if n == last:
                 out[2], out[3] = min(out[2], x), max(out[3], x)
-    finite = True
-    for value in motion.flat:
-        finite &= np.isfinite(value)
-    return finite
-
-
-@numba.njit(cache=True)
-def _path(tau, span, motion, previous, rates_seen):
-    """Evaluate the polynomials and their rates at the times ``tau`` after the last point."""
-    path = np.empty((tau.size, motion.shape[0], 11))
-    for wheelset in range(motion.shape[0]):
-        for channel in range(5):
-            now, rate = motion[wheelset, channel], motion[wheelset, channel + 5]
-            if not rates_seen[channel]:
-                rate = 0.0
-            quadratic = cubic = 0.0
-            if span > 0.0:
-                before = previous[wheelset, channel]
-                if rates_seen[channel]:
-                    # now + rate tau + A tau^2 + B tau^3 through the previous point.
-                    d0 = (before - now + rate * span) / span**2
-                    d1 = (rate - previous[wheelset, channel + 5]) / span
-                    quadratic, cubic = 3.0 * d0 - d1, (2.0 * d0 - d1) / span
-                else:
-                    rate = (now - before) / span
-            for n in range(tau.size):
-                t = tau[n]
-                path[n, wheelset, channel] = now + t * (rate + t * (quadratic + t * cubic))
-                path[n, wheelset, channel + 5] = rate + t * (2.0 * quadratic + 3.0 * t * cubic)
-        spin, slope = motion[wheelset, 10], 0.0
-        if span > 0.0:
-            slope = (spin - previous[wheelset, 10]) / span
-        for n in range(tau.size):
-            path[n, wheelset, 10] = spin + slope * tau[n]
-    return path

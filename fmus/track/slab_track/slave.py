@@ -9,12 +9,10 @@ from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
-from slab_track.model import TrackModel, TrackOutputs, TrackState
-from slab_track.motion import MOTION, MotionHistory
+from slab_track.model import TrackModel, TrackOutputs
+from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
-from slab_track.stepping import WheelState
-from slab_track.vertical import FieldState
 
 LEVEL_CONTACT = (
     "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
@@ -23,13 +21,6 @@ LEVEL_CONTACT = (
 )
 
 _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
-
-_NESTED: dict[str, Any] = {
-    "symmetric": FieldState,
-    "antisymmetric": FieldState,
-    "history": MotionHistory,
-    "wheels": WheelState,
-}
 
 
 class TrackSlave(RailSlave):
@@ -131,22 +122,12 @@ class TrackSlave(RailSlave):
         self.values["window.slide_count"] = state.slide_count
 
     def save(self) -> dict[str, Any]:
-        """Return the state of the track, flat."""
-        flat: dict[str, Any] = {}
-        for name, value in self._state._asdict().items():
-            if name in _NESTED:
-                flat |= {f"{name}.{part}": item for part, item in value._asdict().items()}
-            else:
-                flat[name] = value
-        return flat
+        """Return the state of the track."""
+        return {"vector": self._state.vector}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
-        values: dict[str, Any] = {k: v for k, v in state.items() if "." not in k}
-        for name, kind in _NESTED.items():
-            values[name] = kind(**{part: state[f"{name}.{part}"] for part in kind._fields})
-        values["slide_count"] = int(values["slide_count"])
-        self._state = TrackState(**values)
+        self._state = self._model.state_of(state["vector"])
 
 
 def _inputs() -> list[Variable]:

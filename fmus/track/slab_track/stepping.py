@@ -1,61 +1,101 @@
-"""The whole track over a communication step: vertical, lateral, contact, in that order."""
+"""The whole track over a communication step, in compiled parts.
 
+The parts are called one after the other: :func:`begin` once, then :func:`free`, :func:`touch` and
+:func:`close` for each internal step. As one function they would take twice as long to compile.
+"""
+
+import math
 from typing import NamedTuple
 
 import numba
 import numpy as np
 from numba.experimental import structref
 
-from slab_track.contact.fastsim import fastsim_grid
-from slab_track.contact.tables import ContactTables
-from slab_track.contact.wheelset import (
-    ANGLE,
-    FORCED,
-    LATERAL_FORCE,
-    LOCATED,
-    LONGITUDINAL_FORCE,
-    NORMAL_FORCE,
-    PENETRATION,
+from slab_track.compiled import entry, kernel
+from slab_track.interaction import (
+    Wheels,
+    add_lateral,
+    answer,
+    interact,
+    put_together,
+    report_rails,
 )
-from slab_track.irregularity.kernels import IrregularityData, evaluate_into
-from slab_track.lateral import LateralOperator, close_rail, free_rail, wheel_compliance
+from slab_track.irregularity.kernels import evaluate_into
+from slab_track.lateral_step import close_rail, free_rail
+from slab_track.motion import extrapolate, push, reach
+from slab_track.oscillators import copy
+from slab_track.state import (
+    ANSWER,
+    ANSWERS,
+    CREEP,
+    DATUM,
+    FASTENER_FORCE,
+    LATERAL,
+    LOCATED_PATCHES,
+    MOTION_BEFORE,
+    MOTION_NOW,
+    NORMAL,
+    PATCH_FORCES,
+    PLACES,
+    POINT_TIME,
+    PREVIOUS_TIME,
+    RAIL,
+    RAIL_A,
+    RAIL_FORCE,
+    RAIL_S,
+    RATES_SEEN,
+    ROW,
+    TIME,
+    WHEELSET,
+    WINDOW_START,
+)
 from slab_track.vertical import (
-    FieldState,
-    StepOperator,
+    ClassFields,
     close_class_step,
     free_class_step,
     wheel_coupling,
 )
-from slab_track.wheels import contact_forces, rail_motion, solve_wheel
+from slab_track.wheel_shapes import wheel_shapes
 
-_SQRT_HALF = np.sqrt(0.5)
-_SWEEPS = 20
-_SWEEP_TOLERANCE = 1e-10
-"""Change of a deflection under one wheel by the others, m, that needs no further sweep."""
+_SQRT_HALF = math.sqrt(0.5)
 
-APPLIED, VERTICAL, PROFILES = 0, 1, 2
-"""What acts between wheels and rails: given forces, eq. (1) on a level tread, real profiles."""
+GOOD, NOT_FINITE, SLIDE_DUE, NEAR_THE_END, NO_SOLUTION = range(5)
+"""What becomes of a step."""
 
 
-class TrackOperator(NamedTuple):
-    """All constants of a track for one internal step size.
+class WindowLimits(NamedTuple):
+    """Where the wheels may be.
 
     Attributes
     ----------
-    symmetric, antisymmetric
-        Vertical motion of both classes.
-    lateral
-        Lateral motion and torsion of either rail.
-    contact
-        Tables of the contact.
+    slides_at
+        Mean of the first and the last wheel from the window's start, m, from which on a slide is to
+        be looked at; infinite if the window stays.
+    margin
+        Nearest that a wheel may come to the window's ends, m; infinitely negative if it stands.
+    length
+        Of the window, m.
+    standing
+        True if the wheels stand in the window and the irregularity moves.
+    """
+
+    slides_at: float
+    margin: float
+    length: float
+    standing: bool
+
+
+class Settings(NamedTuple):
+    """What the contact and the internal step take besides their tables.
+
+    Attributes
+    ----------
     interface
         APPLIED, VERTICAL or PROFILES.
-    lateral_motion
+    moves_sideways
         False if the rails are held laterally and in roll.
     hertz_constant
         Of eq. (1) for VERTICAL, m/N^(2/3).
-    irregularity
-        What :func:`slab_track.irregularity.kernels.evaluate_into` takes.
     half_distance
         Of the rolling circles, m.
     axis_depth
@@ -64,406 +104,332 @@ class TrackOperator(NamedTuple):
         Internal step, s.
     """
 
-    symmetric: StepOperator
-    antisymmetric: StepOperator
-    lateral: LateralOperator
-    contact: ContactTables
     interface: int
-    lateral_motion: bool
+    moves_sideways: bool
     hertz_constant: float
-    irregularity: IrregularityData
     half_distance: float
     axis_depth: float
     step: float
 
 
-class WheelState(NamedTuple):
-    """What happens at the wheels; left first.
+class Scratch(NamedTuple):
+    """Room for what is made and used within a step; no state.
 
     Attributes
     ----------
-    rail_force
-        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3).
-    normal, creep
-        Normal and lateral creep force of the patches (tread, flange), (wheels, 2, 2), N.
-    rail
-        Motion of the rail's axis: y, z, roll and rates, (wheels, 2, 6).
-    wheelset
-        Contact force and moment on each wheelset, (wheels, 6).
-    located, forces
-        Patches, columns as in :mod:`slab_track.contact.wheelset`.
+    path
+        Wheelset motion at the end of each internal step, (steps, w, 11).
+    x, places
+        Wheelsets on the line and in the window, (w,), m.
+    offsets, slopes
+        Irregularity under the wheels, (w, 2, 2).
+    shapes
+        Of the waves under the wheels, (w, N).
+    taken
+        Of both rails, see :func:`slab_track.lateral_step.free_rail`, (2, 2, 2h).
+    motion
+        Of both rails, see there, (2, w, 4).
     """
 
-    rail_force: np.ndarray
-    normal: np.ndarray
-    creep: np.ndarray
-    rail: np.ndarray
-    wheelset: np.ndarray
-    located: np.ndarray
-    forces: np.ndarray
+    path: np.ndarray
+    x: np.ndarray
+    places: np.ndarray
+    offsets: np.ndarray
+    slopes: np.ndarray
+    shapes: np.ndarray
+    taken: np.ndarray
+    motion: np.ndarray
 
     @classmethod
-    def empty(cls, wheels: int) -> "WheelState":
-        """Return wheels without any force."""
+    def empty(cls, steps: int, wheels: int, waves: int, half: int) -> "Scratch":
+        """Return room for steps, wheelsets, waves and halves of ``half`` fasteners."""
         return cls(
-            rail_force=np.zeros((wheels, 2, 3)),
-            normal=np.zeros((wheels, 2, 2)),
-            creep=np.zeros((wheels, 2, 2)),
-            rail=np.zeros((wheels, 2, 6)),
-            wheelset=np.zeros((wheels, 6)),
-            located=np.zeros((wheels, 2, 2, LOCATED)),
-            forces=np.zeros((wheels, 2, 2, FORCED)),
+            path=np.empty((steps, wheels, 11)),
+            x=np.empty(wheels),
+            places=np.empty(wheels),
+            offsets=np.empty((wheels, 2, 2)),
+            slopes=np.empty((wheels, 2, 2)),
+            shapes=np.empty((wheels, waves)),
+            taken=np.empty((2, 2, 2 * half)),
+            motion=np.empty((2, wheels, 4)),
         )
 
 
 @structref.register
-class _BoxType(numba.types.StructRef):
-    """Numba's type of :class:`OperatorBox`."""
+class _OperatorType(numba.types.StructRef):
+    """Numba's type of :class:`TrackOperator`."""
 
 
-class OperatorBox(structref.StructRefProxy):
-    """A :class:`TrackOperator` that compiled code takes as one reference.
+class TrackOperator(structref.StructRefProxy):
+    """All constants of a track for one communication step, as one reference for compiled code.
 
-    A call with a named tuple reads all of its arrays anew, some 10 us for these.
+    Made by :func:`pack`.
     """
 
-    def __new__(cls, operator: TrackOperator) -> "OperatorBox":
-        """Put an operator into a box."""
-        return structref.StructRefProxy.__new__(cls, operator)
+
+structref.define_proxy(
+    TrackOperator,
+    _OperatorType,
+    [
+        "rail",
+        "symmetric",
+        "antisymmetric",
+        "lateral",
+        "contact",
+        "grid",
+        "irregularity",
+        "settings",
+        "limits",
+        "starts",
+        "scratch",
+        "coupling",
+        "free_s",
+        "free_a",
+        "at",
+    ],
+)
 
 
-structref.define_proxy(OperatorBox, _BoxType, ["operator"])
-
-
-@numba.njit(cache=True)
-def box(operator):
-    """Return the :class:`OperatorBox` of a :class:`TrackOperator`."""
-    return OperatorBox(operator)
-
-
-_LANES = 8
-
-
-@numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def wheel_shapes(wave_number, positions):
-    """Return the waves' shapes at every wheel, shape (wheels, N), by recurrence in k.
-
-    The first wave number is 0 on a ring, which has cosines and sines in turn. Eight rows
-    ahead the angle has grown by a constant, so f(k+8) = 2 cos f(k) - f(k-8).
-    """
-    count = wave_number.size
-    shapes = np.empty((positions.size, count))
-    first = 1 if wave_number[0] == 0.0 else 0
-    start = min(2 * _LANES + first, count)
-    for wheel in range(positions.size):
-        row, angle = shapes[wheel], wave_number[first] * positions[wheel]
-        cosine, sine = np.cos(angle), np.sin(angle)
-        c, s, twice = cosine, sine, 0.0
-        if first == 1:
-            row[0] = 1.0
-        for k in range(first, start):
-            if first == 0:
-                row[k] = s
-                turn = True
-            else:
-                row[k] = c if k % 2 == 1 else s
-                turn = k % 2 == 0
-            if k - first == _LANES - 1:
-                twice = 2.0 * c
-            if turn:
-                c, s = c * cosine - s * sine, s * cosine + c * sine
-        for k in range(start, count):
-            row[k] = twice * row[k - _LANES] - row[k - 2 * _LANES]
-    return shapes
-
-
-class Interaction(NamedTuple):
-    """What the rails under the wheels do without wheel forces, and what these add.
-
-    Attributes
-    ----------
-    free
-        Motion of the axes without wheel forces: y, z, roll and rates, (w, 2, 6).
-    same, cross
-        Vertical deflection under a wheel per unit force under another one on the same rail
-        and on the other rail, (w, w), m/N.
-    compliance, mobility
-        Displacement and rate of the axis under a wheel per unit force (y, z, roll)
-        there, (w, 3, 3).
-    """
-
-    free: np.ndarray
-    same: np.ndarray
-    cross: np.ndarray
-    compliance: np.ndarray
-    mobility: np.ndarray
-
-
-@numba.njit(cache=True)
-def _interaction(operator, positions, free_s, free_a, motions, moving):
-    """Put both classes and the lateral motions (2, w, 4) together: an :class:`Interaction`."""
-    count = positions.size
-    free = np.zeros((count, 2, 6))
-    same = 0.5 * (free_s.compliance + free_a.compliance)
-    cross = 0.5 * (free_s.compliance - free_a.compliance)
-    compliance, mobility = np.zeros((count, 3, 3)), np.zeros((count, 3, 3))
-    lateral, to_rate = np.empty(3), 2.0 / operator.step
-    for wheel in range(count):
-        for side in range(2):
-            sign = 2.0 * side - 1.0
-            free[wheel, side, 1] = _SQRT_HALF * (
-                free_s.deflection[wheel] + sign * free_a.deflection[wheel]
-            )
-            free[wheel, side, 4] = _SQRT_HALF * (free_s.rate[wheel] + sign * free_a.rate[wheel])
-        own, rate = compliance[wheel], mobility[wheel]
-        own[1, 1] = same[wheel, wheel]
-        rate[1, 1] = 0.5 * (free_s.mobility[wheel, wheel] + free_a.mobility[wheel, wheel])
-        if not moving:
-            continue
-        for side in range(2):
-            free[wheel, side, 0], free[wheel, side, 2] = motions[side, wheel, 0:2]
-            free[wheel, side, 3], free[wheel, side, 5] = motions[side, wheel, 2:4]
-        wheel_compliance(operator.lateral, positions[wheel], lateral)
-        residual = operator.lateral.residual
-        own[0, 0], own[2, 2] = lateral[0] + residual[0], lateral[2] + residual[1]
-        own[0, 2] = own[2, 0] = lateral[1]
-        rate[0, 0], rate[2, 2] = to_rate * lateral[0], to_rate * lateral[2]
-        rate[0, 2] = rate[2, 0] = to_rate * lateral[1]
-    return Interaction(free, same, cross, compliance, mobility)
-
-
-@numba.njit(cache=True)
-def _add_others(at, wheel, side, force, out):
-    """Fill ``out`` (6,) with the axis's motion under the forces (w, 2, 3) of all other wheels."""
-    out[:] = at.free[wheel, side]
-    for other in range(force.shape[0]):
-        if other != wheel:
-            out[1] += at.same[wheel, other] * force[other, side, 1]
-        out[1] += at.cross[wheel, other] * force[other, 1 - side, 1]
-
-
-@numba.njit(cache=True)
-def _vertical_contact(operator, path, offsets, at, wheels):
-    """Eq. (1) on a level tread: normal forces of all wheels."""
-    b = operator.half_distance
-    approach = np.empty((path.shape[0], 2))
-    for wheel in range(path.shape[0]):
-        for side in range(2):
-            lever = b if side == 1 else -b
-            approach[wheel, side] = (
-                path[wheel, 2]
-                + lever * path[wheel, 3]
-                - offsets[wheel, side, 0]
-                - at.free[wheel, side, 1]
-            )
-    start = wheels.normal[:, :, 0].copy()
-    force, penetration = contact_forces(approach, at.same, at.cross, start, operator.hertz_constant)
-    wheels.normal[:, :, 0] = force
-    wheels.wheelset[:] = 0.0
-    for wheel in range(path.shape[0]):
-        for side in range(2):
-            lever = b if side == 1 else -b
-            wheels.rail_force[wheel, side, 1] = force[wheel, side]
-            wheels.located[wheel, side, 0, 0] = penetration[wheel, side]
-            wheels.forces[wheel, side, 0, 0] = force[wheel, side]
-            wheels.wheelset[wheel, 2] -= force[wheel, side]
-            wheels.wheelset[wheel, 3] -= lever * force[wheel, side]
-    return True
-
-
-@numba.njit(cache=True)
-def _profile_contact(operator, path, offsets, at, wheels):
-    """Contact on real profiles: sweeps over all wheels."""
-    own, offset, wheelset = np.empty(6), np.empty(2), np.empty(6)
-    grid = fastsim_grid(operator.contact.columns, operator.contact.strips)
-    coupled = np.max(np.abs(at.cross))
-    for wheel in range(path.shape[0]):
-        for other in range(wheel):
-            coupled = max(coupled, abs(at.same[wheel, other]))
-    good = True
-    for _ in range(_SWEEPS):
-        worst = 0.0
-        wheels.wheelset[:] = 0.0
-        # All wheels see the others' forces of the last sweep: no order, so mirror symmetry.
-        others = wheels.rail_force.copy()
-        for wheel in range(path.shape[0]):
-            for side in range(2):
-                _add_others(at, wheel, side, others, own)
-                offset[0], offset[1] = offsets[wheel, side, 1], offsets[wheel, side, 0]
-                good &= solve_wheel(
-                    operator.contact, grid, 2.0 * side - 1.0, path[wheel], own,
-                    at.compliance[wheel], at.mobility[wheel], offset,
-                    wheels.rail_force[wheel, side], wheels.normal[wheel, side],
-                    wheels.creep[wheel, side], wheelset, wheels.rail[wheel, side],
-                    wheels.located[wheel, side], wheels.forces[wheel, side],
-                )  # fmt: skip
-                for i in range(6):
-                    wheels.wheelset[wheel, i] += wheelset[i]
-                change = wheels.rail_force[wheel, side, 1] - others[wheel, side, 1]
-                worst = max(worst, abs(change))
-        if not good or worst * coupled < _SWEEP_TOLERANCE:
-            break
-    return good
-
-
-@numba.njit(cache=True)
-def _interact(operator, path, offsets, applied, at, wheels):
-    """Find the forces on the rails under all wheels; False where there is no solution."""
-    if operator.interface == VERTICAL:
-        return _vertical_contact(operator, path, offsets, at, wheels)
-    if operator.interface == PROFILES:
-        return _profile_contact(operator, path, offsets, at, wheels)
-    wheels.rail_force[:] = applied
-    return True
-
-
-@numba.njit(cache=True)
-def _report_rails(at, wheels):
-    """Motion of the rails under the wheels, all forces of this step included."""
-    own = np.empty(6)
-    for wheel in range(wheels.rail.shape[0]):
-        for side in range(2):
-            _add_others(at, wheel, side, wheels.rail_force, own)
-            rail_motion(
-                own,
-                at.compliance[wheel],
-                at.mobility[wheel],
-                wheels.rail_force[wheel, side],
-                wheels.rail[wheel, side],
-            )
-
-
-@numba.njit(cache=True)
-def _internal_step(
-    operator, old, new, positions, path, offsets, applied, wheels, report, fasteners
-):
-    """One internal step of :func:`advance`; False if it failed."""
-    step, count = operator.step, positions.size
-    moving = operator.lateral_motion and operator.interface != VERTICAL
-    shapes = wheel_shapes(operator.symmetric.wave_number, positions)
-    coupling = wheel_coupling(operator.symmetric, positions)
-    free_s = free_class_step(
-        operator.symmetric, old.symmetric, shapes, coupling, step, new.symmetric
-    )
-    free_a = free_class_step(
-        operator.antisymmetric, old.antisymmetric, shapes, coupling, step, new.antisymmetric
-    )
-    motions = np.empty((2, count, 4))
-    if moving:
-        left = free_rail(operator.lateral, old.rails[0], shapes, step, new.rails[0])
-        right = free_rail(operator.lateral, old.rails[1], shapes, step, new.rails[1])
-        motions[0], motions[1] = left.motion, right.motion
-    at = _interaction(operator, positions, free_s, free_a, motions, moving)
-    if not _interact(operator, path, offsets, applied, at, wheels):
-        return False
-    if report:
-        _report_rails(at, wheels)
-    force = wheels.rail_force
-    force_s = _SQRT_HALF * (force[:, 0, 1] + force[:, 1, 1])
-    force_a = _SQRT_HALF * (force[:, 1, 1] - force[:, 0, 1])
-    fasteners[0] = close_class_step(
-        operator.symmetric, old.symmetric, free_s, shapes, coupling, force_s, step, new.symmetric
-    )
-    fasteners[1] = close_class_step(
-        operator.antisymmetric, old.antisymmetric, free_a, shapes, coupling, force_a, step,
-        new.antisymmetric,
-    )  # fmt: skip
-    if moving:
-        load = np.empty((count, 2))
-        load[:, 0], load[:, 1] = force[:, 0, 0], force[:, 0, 2]
-        close_rail(operator.lateral, left, shapes, load, step, new.rails[0])
-        load[:, 0], load[:, 1] = force[:, 1, 0], force[:, 1, 2]
-        close_rail(operator.lateral, right, shapes, load, step, new.rails[1])
-    else:
-        new.rails[:] = old.rails
-    return True
-
-
-class Fields(NamedTuple):
-    """Coordinates of the whole track.
-
-    Attributes
-    ----------
-    symmetric, antisymmetric
-        Vertical coordinates of both classes.
-    rails
-        Lateral and torsional coordinates of both rails, (2, 3, 3, N).
-    """
-
-    symmetric: FieldState
-    antisymmetric: FieldState
-    rails: np.ndarray
-
-
-@numba.njit(cache=True)
-def advance(box, old, new, positions, datum, path, applied, wheels, fasteners, answers):
-    """Advance the track through several internal steps.
+@entry
+def pack(
+    rail, symmetric, antisymmetric, lateral, contact, grid, irregularity, settings, limits, starts,
+    scratch, coupling, free_s, free_a, at,
+):  # fmt: skip
+    """Return a :class:`TrackOperator`.
 
     Parameters
     ----------
-    box
-        :class:`OperatorBox`.
+    rail, symmetric, antisymmetric
+        Vertical motion of the rails, and of both classes.
+    lateral
+        Lateral motion and torsion of either rail.
+    contact, grid
+        Tables of the contact, grid of FASTSIM.
+    irregularity
+        What :func:`slab_track.irregularity.kernels.evaluate_into` takes.
+    settings, limits
+        See there.
+    starts
+        Of the parts of the state, see :class:`slab_track.state.StateLayout`.
+    scratch, coupling, free_s, free_a, at
+        Room for what is made within a step.
+    """
+    return TrackOperator(
+        rail, symmetric, antisymmetric, lateral, contact, grid, irregularity, settings, limits,
+        starts, scratch, coupling, free_s, free_a, at,
+    )  # fmt: skip
+
+
+@kernel
+def _part(vector, starts, part):
+    """Return a part of a state's vector, flat."""
+    return vector[starts[part] : starts[part + 1]]
+
+
+@kernel
+def _wheels(new, starts, count):
+    """Return the :class:`slab_track.interaction.Wheels` of a state's vector."""
+    return Wheels(
+        _part(new, starts, RAIL_FORCE).reshape((count, 2, 3)),
+        _part(new, starts, NORMAL).reshape((count, 2, 2)),
+        _part(new, starts, CREEP).reshape((count, 2, 2)),
+        _part(new, starts, RAIL).reshape((count, 2, 6)),
+        _part(new, starts, WHEELSET).reshape((count, 6)),
+        _part(new, starts, LOCATED_PATCHES).reshape((count, 2, 2, 13)),
+        _part(new, starts, PATCH_FORCES).reshape((count, 2, 2, 9)),
+    )
+
+
+@kernel
+def _class_fields(old, new, starts, symmetry, fasteners):
+    """Return the :class:`slab_track.vertical.ClassFields` of two states' vectors."""
+    first = RAIL_S if symmetry == 0 else RAIL_A
+    begin = starts[FASTENER_FORCE] + symmetry * fasteners
+    return ClassFields(
+        _part(old, starts, first),
+        _part(old, starts, first + 1),
+        _part(old, starts, first + 2).reshape((2, fasteners)),
+        _part(new, starts, first),
+        _part(new, starts, first + 1),
+        _part(new, starts, first + 2).reshape((2, fasteners)),
+        new[begin : begin + fasteners],
+    )
+
+
+@kernel
+def _class_force(force, sign):
+    """Wheel forces (w,) of a symmetry class from those of the rails (w, 2, 3)."""
+    own = np.empty(force.shape[0])
+    for wheel in range(own.size):
+        own[wheel] = _SQRT_HALF * (force[wheel, 1, 1] + sign * force[wheel, 0, 1])
+    return own
+
+
+@kernel
+def _side_force(force, side):
+    """Lateral force and roll moment on one rail, (2, w), from the forces (w, 2, 3)."""
+    own = np.empty((2, force.shape[0]))
+    for wheel in range(force.shape[0]):
+        own[0, wheel], own[1, wheel] = force[wheel, side, 0], force[wheel, side, 2]
+    return own
+
+
+@kernel
+def _take_motion(op, old, new, motion, time):
+    """Copy what the wheels remember, take in their motion; False if that is not finite.
+
+    ``time`` is that of the motion, s.
+    """
+    starts, count = op.starts, motion.shape[0]
+    end = starts[FASTENER_FORCE]
+    copy(old[:end], new[:end])
+    is_new = time != old[POINT_TIME]
+    if is_new:
+        new[PREVIOUS_TIME], new[POINT_TIME] = old[POINT_TIME], time
+    return push(
+        motion,
+        is_new,
+        _part(new, starts, MOTION_NOW).reshape((count, 11)),
+        _part(new, starts, MOTION_BEFORE).reshape((count, 11)),
+        _part(new, starts, RATES_SEEN),
+    )
+
+
+@kernel
+def _make_path(op, new, path):
+    """Fill the motion at the end of each internal step, (steps, wheelsets, 11)."""
+    starts, count = op.starts, path.shape[1]
+    now = _part(new, starts, MOTION_NOW).reshape((count, 11))
+    before = _part(new, starts, MOTION_BEFORE).reshape((count, 11))
+    ahead, span = new[TIME] - new[POINT_TIME], new[POINT_TIME] - new[PREVIOUS_TIME]
+    for n in range(path.shape[0]):
+        tau = ahead + op.settings.step * (n + 1)
+        extrapolate(tau, span, now, before, _part(new, starts, RATES_SEEN), path[n])
+
+
+@kernel
+def _check_places(limits, start, may_slide, path):
+    """Say whether a slide is due, or a wheel too near to an end of the window."""
+    ends = np.empty(4)
+    reach(path, ends)
+    # Half a millimetre early: whether it slides is decided outside.
+    if may_slide and 0.5 * (ends[2] + ends[3]) > start + limits.slides_at - 5e-4:
+        return SLIDE_DUE
+    if ends[0] < start + limits.margin or ends[1] > start + limits.length - limits.margin:
+        return NEAR_THE_END
+    return GOOD
+
+
+@entry
+def begin(op, old, new, motion, time, may_slide):
+    """Take in the wheelsets' motion and look where it leads.
+
+    Parameters
+    ----------
+    op
+        :class:`TrackOperator`.
     old, new
-        :class:`Fields` at the start, and those that receive the end.
-    positions
-        Wheelsets in the window at the end of each internal step, (steps, wheels), m.
-    datum
-        Height of the wheelsets above first touch at zero vertical displacement, m.
-    path
-        Wheelset motion at the end of each internal step, (steps, wheels, 11).
-    applied
-        Prescribed forces on the rails' axes for APPLIED, (wheels, 2, 3).
-    wheels
-        :class:`WheelState`, start values in, results out.
-    fasteners
-        Receives the vertical fastener forces: symmetric and antisymmetric class, (2, P).
-    answers
-        Receives what :func:`answer` gives.
+        Vector of the state at the start, and the one that is to receive the state at the end.
+    motion
+        Wheelset motion at the instant ``time`` (s), (wheelsets, 11).
+    may_slide
+        False to go on where a slide is due.
 
     Returns
     -------
     int
-        Number of steps made, less than asked if one failed.
+        GOOD, or why the step cannot be made.
     """
-    operator = box.operator
-    steps, count = path.shape[0], path.shape[1]
-    offsets, slopes = np.empty((count, 2, 2)), np.empty((count, 2, 2))
-    for n in range(steps):
-        row, x = path[n].copy(), path[n, :, 0].copy()
-        evaluate_into(x, operator.irregularity, offsets, slopes)
-        row[:, 2] += datum
-        good = _internal_step(
-            operator, old, new, positions[n], row, offsets, applied, wheels,
-            n == steps - 1, fasteners,
+    if not _take_motion(op, old, new, motion, time):
+        return NOT_FINITE
+    path = op.scratch.path
+    _make_path(op, new, path)
+    return _check_places(op.limits, new[WINDOW_START], may_slide, path)
+
+
+@kernel
+def _place_wheels(op, new, part):
+    """Put the wheels where they are at the end of an internal step."""
+    starts, scratch, limits = op.starts, op.scratch, op.limits
+    count = scratch.x.size
+    row = _part(new, starts, ROW).reshape((count, 11))
+    copy(scratch.path[part].ravel(), row.ravel())
+    for wheel in range(count):
+        scratch.x[wheel] = row[wheel, 0]
+        scratch.places[wheel] = row[wheel, 0] - new[WINDOW_START]
+        if limits.standing:
+            scratch.places[wheel] = new[starts[PLACES] + wheel]
+        row[wheel, 2] += new[DATUM]
+    evaluate_into(scratch.x, op.irregularity, scratch.offsets, scratch.slopes)
+
+
+@entry
+def free(op, old, new, part):
+    """Step rails and slabs without wheel forces, to the end of internal step ``part`` (0, 1, ...).
+
+    ``old`` and ``new`` as for :func:`begin`; ``old`` at the start of this internal step.
+    """
+    starts, settings, rail, scratch = op.starts, op.settings, op.rail, op.scratch
+    step, shapes, places = settings.step, scratch.shapes, scratch.places
+    new[TIME] = old[TIME] + step
+    _place_wheels(op, new, part)
+    fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
+    wheel_shapes(rail.wave_number, places, shapes)
+    coupling, free_s, free_a = op.coupling, op.free_s, op.free_a
+    wheel_coupling(rail, places, coupling)
+    fields = _class_fields(old, new, starts, 0, fasteners)
+    free_class_step(rail, op.symmetric, fields, coupling, shapes, step, free_s)
+    fields = _class_fields(old, new, starts, 1, fasteners)
+    free_class_step(rail, op.antisymmetric, fields, coupling, shapes, step, free_a)
+    put_together(free_s, free_a, op.at)
+    begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
+    if not settings.moves_sideways:
+        copy(old[begin : begin + 2 * size], new[begin : begin + 2 * size])
+        return
+    for side in range(2):
+        first = begin + side * size
+        free_rail(
+            op.lateral, rail.folding, old[first : first + size], shapes, step,
+            new[first : first + size], scratch.taken[side], scratch.motion[side],
         )  # fmt: skip
-        if not good:
-            return n
-        old = new
-    answer(wheels, operator.axis_depth, answers)
-    return steps
+    add_lateral(op.lateral, places, step, scratch.motion, op.at)
 
 
-ANSWERS = 8
-"""Rows of what :func:`answer` gives."""
+@entry
+def touch(op, new, applied):
+    """Find the forces between wheels and rails; False where there is no solution.
 
-
-@numba.njit(cache=True)
-def answer(wheels, axis_depth, out):
-    """Fill ``out`` (ANSWERS, wheels, 2) with what happens at the wheels.
-
-    Rows: normal, longitudinal and lateral creep force, N; penetration, m, and contact
-    angle, rad, of the patch that carries most; vertical and lateral displacement of the
-    rail's axis and of its head, m; roll, rad.
+    ``applied`` (wheels, 2, 3) are those on the rails' axes for APPLIED.
     """
-    for wheel in range(out.shape[1]):
+    count, starts = op.scratch.x.size, op.starts
+    row = _part(new, starts, ROW).reshape((count, 11))
+    wheels = _wheels(new, starts, count)
+    return interact(
+        op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels
+    )
+
+
+@entry
+def close(op, old, new, last):
+    """Add what forces of wheels and fasteners do; after the ``last`` internal step answer."""
+    starts, settings, rail = op.starts, op.settings, op.rail
+    step, shapes, coupling = settings.step, op.scratch.shapes, op.coupling
+    count = shapes.shape[0]
+    wheels = _wheels(new, starts, count)
+    force = wheels.rail_force
+    fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
+    fields, own = _class_fields(old, new, starts, 0, fasteners), _class_force(force, 1.0)
+    close_class_step(rail, op.symmetric, fields, coupling, op.free_s, shapes, own, step)
+    fields, own = _class_fields(old, new, starts, 1, fasteners), _class_force(force, -1.0)
+    close_class_step(rail, op.antisymmetric, fields, coupling, op.free_a, shapes, own, step)
+    begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
+    if settings.moves_sideways:
         for side in range(2):
-            force, rail = wheels.forces[wheel, side], wheels.rail[wheel, side]
-            main = 1 if force[1, NORMAL_FORCE] > force[0, NORMAL_FORCE] else 0
-            out[0, wheel, side] = force[0, NORMAL_FORCE] + force[1, NORMAL_FORCE]
-            out[1, wheel, side] = force[0, LONGITUDINAL_FORCE] + force[1, LONGITUDINAL_FORCE]
-            out[2, wheel, side] = force[0, LATERAL_FORCE] + force[1, LATERAL_FORCE]
-            out[3, wheel, side] = wheels.located[wheel, side, main, PENETRATION]
-            out[4, wheel, side] = wheels.located[wheel, side, main, ANGLE]
-            out[5, wheel, side] = rail[1]
-            out[6, wheel, side] = rail[0] + axis_depth * rail[2]
-            out[7, wheel, side] = rail[2]
+            first = begin + side * size
+            close_rail(
+                op.lateral, rail.folding, op.scratch.taken[side], shapes, _side_force(force, side),
+                step, new[first : first + size],
+            )  # fmt: skip
+    if last:
+        report_rails(op.at, wheels)
+        answer(wheels, settings.axis_depth, _part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))

@@ -11,94 +11,65 @@ order, exact in statics and conserves the energy of a linear undamped system:
           \alpha = 1/(1 + \tfrac h2 c + \tfrac{h^2}{4}\omega^2)
 
 The modal forces g' hold the fastener forces p' and the wheel forces F', which
-depend on the new motion. With the free step (g' = 0) known, the fasteners obey
-a constant linear system, solved once per step size:
+depend on the new motion. The modes left out of the series follow the forces without
+inertia: at fasteners and wheels they add :math:`r = R_w F - R p` with their static compliance.
+Their rate in the fasteners' dampers follows the same rule,
+:math:`\dot r' = \tfrac2h(r' - r) - \dot r`. With the free step (g' = 0) known, the fasteners
+obey a constant linear system, inverted once per step size:
 
-.. math:: p' = D\,(\tilde p + \mu Y_w F'),\quad
-          D = (I + \mu Y)^{-1},\quad
-          \mu = k\tfrac{h^2}{4} + c\tfrac h2
+.. math:: p' = S\,(u + A_w F'),\quad S = (\nu^{-1} + A)^{-1},\quad
+          A = \tfrac{h^2}{4}Y + R,\quad \nu = k + \tfrac{2c}{h}
 
-with Y the admittance at the fasteners, :math:`Y_w` that between fasteners and
-wheels, and :math:`\tilde p` the fastener forces of the free step.
+with Y the admittance at the fasteners, :math:`A_w` the same between fasteners and wheels, and
+:math:`u = \nu^{-1}(\tilde p - c(\tfrac2h r + \dot r))` from the fastener forces
+:math:`\tilde p` of the free step. What remains per wheel is one scalar equation of Hertz's law with
+the compliance
 
-The modes left out of the series follow the forces without inertia: at fasteners
-and wheels they add :math:`r = R_w F - R p` with their static compliance. Their rate in the
-fasteners' dampers follows the same rule, :math:`\dot r' = \tfrac2h(r' - r) - \dot r`, so with
-:math:`\nu = k + \tfrac{2c}{h}`
-
-.. math:: p' = D\left(\tilde p - c(\tfrac2h r + \dot r)
-          + (\mu Y_w + \nu R_w) F'\right),\quad D = (I + \mu Y + \nu R)^{-1}.
-
-What remains per wheel is one scalar equation of Hertz's law with the compliance
-
-.. math:: C = \tfrac{h^2}{4} Z_w^T\beta Z_w + R_{ww}
-          - \left(\tfrac{h^2}{4} Y_w + R_w\right)^T D\,(\mu Y_w + \nu R_w).
+.. math:: C = A_{ww} - A_w^T S A_w.
 """
 
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from slab_track.assembly import LinearTrack
+from slab_track.compiled import kernel
+from slab_track.folding import Folding, make_folding
+from slab_track.halves import apply, join, split, split_matrix
 from slab_track.kernel import between, kernel_table, to_fasteners
 from slab_track.oscillators import (
-    add_acceleration,
     add_force,
+    add_scaled,
+    copy,
+    dot,
     fold,
     step_damped,
-    step_undamped,
+    step_waves,
     unfold,
-    wave_amplitudes,
 )
 
 
-class FieldState(NamedTuple):
-    """Coordinates of one symmetry class: displacement, velocity, acceleration.
+class RailOperator(NamedTuple):
+    """Constants of the rails and fasteners for one internal step size h, of both classes.
+
+    In halves (2, h) are only what waves and residual do at the P fasteners
+    (:mod:`slab_track.halves`): the fasteners' damping is not alike at both ends of the window.
 
     Attributes
     ----------
-    rail
-        Shape (3, 2, N): derivative, branch, wave number.
-    slab
-        Shape (3, S, n): derivative, slab, mode.
-    residual
-        Compression of the fasteners by the modes left out, m, and its rate, m/s, shape (2, P).
-    """
-
-    rail: np.ndarray
-    slab: np.ndarray
-    residual: np.ndarray
-
-
-class StepOperator(NamedTuple):
-    """Constants of one symmetry class for one internal step size h.
-
-    Attributes
-    ----------
-    rail_softening, rail_participation, rail_drive
+    softening, participation, drive
         alpha omega^2, deflection per unit coordinate phi, and alpha phi of both branches,
         one after the other, shape (2N,).
     wave_number
         Of the waves, shape (N,).
-    slab_softening, slab_drag
-        alpha omega^2 and alpha c of the modes of all slabs, shape (S n,).
-    slab_weight
-        alpha of the modes of a slab, shape (n,).
-    seats
-        Shapes at the seats, (n, C).
-    sines, fold_index, fold_sign
-        As in :class:`slab_track.assembly.LinearTrack`.
-    solve
-        D, shape (P, P).
-    residual
-        R, static compliance of the modes left out at the fasteners, shape (P, P), m/N.
+    folding
+        Sums of waves that look alike at the fasteners.
     response_kernel, residual_kernel
         Tables of h^2/4 beta and of the residual (see :mod:`slab_track.kernel`).
     stiffness, damping
         k of all fasteners, N/m, and c of each, N.s/m, (P,).
-    modal_gain, residual_gain
-        mu / (h^2/4) and nu of each fastener, N/m, (P,).
+    flexibility
+        1/nu of each fastener, m/N, (P,).
     rate
         2 / h, 1/s.
     spacing
@@ -107,116 +78,133 @@ class StepOperator(NamedTuple):
         True if the track closes on itself.
     """
 
-    rail_softening: np.ndarray
-    rail_participation: np.ndarray
-    rail_drive: np.ndarray
+    softening: np.ndarray
+    participation: np.ndarray
+    drive: np.ndarray
     wave_number: np.ndarray
-    slab_softening: np.ndarray
-    slab_drag: np.ndarray
-    slab_weight: np.ndarray
-    seats: np.ndarray
-    sines: np.ndarray
-    fold_index: np.ndarray
-    fold_sign: np.ndarray
-    solve: np.ndarray
-    residual: np.ndarray
+    folding: Folding
     response_kernel: np.ndarray
     residual_kernel: np.ndarray
     stiffness: float
     damping: np.ndarray
-    modal_gain: np.ndarray
-    residual_gain: np.ndarray
+    flexibility: np.ndarray
     rate: float
     spacing: float
     ring: bool
 
 
-def step_operator(track: LinearTrack, step: float, symmetry: int) -> StepOperator:
-    """Return the operator for an internal step in s."""
+class ClassOperator(NamedTuple):
+    """Constants of one symmetry class for one internal step size.
+
+    Attributes
+    ----------
+    slab_softening, slab_drag, slab_weight
+        alpha omega^2, alpha c and alpha of the modes of all slabs, shape (S n,).
+    seats, from_seats
+        Shapes at the seats, (n, C), and transposed.
+    solve
+        S, symmetric, fastener force per unit compression within a step, shape (P, P), N/m.
+    residual
+        R, static compliance of the modes left out at the fasteners, in halves, (2, h, h), m/N.
+    """
+
+    slab_softening: np.ndarray
+    slab_drag: np.ndarray
+    slab_weight: np.ndarray
+    seats: np.ndarray
+    from_seats: np.ndarray
+    solve: np.ndarray
+    residual: np.ndarray
+
+
+def rail_operator(track: LinearTrack, step: float) -> RailOperator:
+    """Return the constants that both classes share, for an internal step in s."""
+    quarter, count, ring = 0.25 * step**2, track.fastener_count, track.ring
+    weight = 1.0 / (1.0 + quarter * track.rail.omega_squared)
+    beta = np.sum(track.participation**2 * weight, axis=0)
+    dampers = track.damping + track.end_damping
+    return RailOperator(
+        softening=(weight * track.rail.omega_squared).ravel(),
+        participation=track.participation.ravel(),
+        drive=(weight * track.participation).ravel(),
+        wave_number=track.rail.wave_number,
+        folding=make_folding(track.fold_index, track.fold_sign, track.fastener_sines),
+        response_kernel=kernel_table(quarter * beta, count, ring=ring),
+        residual_kernel=kernel_table(track.residual_flexibility, count, ring=ring),
+        stiffness=track.stiffness,
+        damping=dampers,
+        flexibility=1.0 / (track.stiffness + 2.0 / step * dampers),
+        rate=2.0 / step,
+        spacing=track.length / count,
+        ring=ring,
+    )
+
+
+def class_operator(track: LinearTrack, step: float, symmetry: int) -> ClassOperator:
+    """Return the constants of one symmetry class for an internal step in s."""
     rail, slab = track.rail, track.slabs[symmetry]
     quarter = 0.25 * step**2
     rail_weight = 1.0 / (1.0 + quarter * rail.omega_squared)
     slab_weight = 1.0 / (1.0 + 0.5 * step * slab.damping + quarter * slab.omega_squared)
-    beta = np.sum(track.participation**2 * rail_weight, axis=0)
     admittance = track.fastener_admittance(rail_weight, slab_weight, symmetry)
     residual = track.fastener_residual(symmetry)
-    count = track.fastener_count
     dampers = track.damping + track.end_damping
-    mu = quarter * track.stiffness + 0.5 * step * dampers
     nu = track.stiffness + 2.0 * dampers / step
-    return StepOperator(
-        rail_softening=(rail_weight * rail.omega_squared).ravel(),
-        rail_participation=track.participation.ravel(),
-        rail_drive=(rail_weight * track.participation).ravel(),
-        wave_number=rail.wave_number,
+    solve = np.linalg.inv(np.diag(1.0 / nu) + quarter * admittance + residual)
+    return ClassOperator(
         slab_softening=np.tile(slab_weight * slab.omega_squared, track.slab_count),
         slab_drag=np.tile(slab_weight * slab.damping, track.slab_count),
-        slab_weight=slab_weight,
+        slab_weight=np.tile(slab_weight, track.slab_count),
         seats=slab.seats,
-        sines=track.fastener_sines,
-        fold_index=track.fold_index,
-        fold_sign=track.fold_sign,
-        solve=np.linalg.inv(np.eye(count) + mu[:, None] * admittance + nu[:, None] * residual),
-        residual=residual,
-        response_kernel=kernel_table(quarter * beta, count, ring=track.ring),
-        residual_kernel=kernel_table(track.residual_flexibility, count, ring=track.ring),
-        stiffness=track.stiffness,
-        damping=dampers,
-        modal_gain=mu / quarter,
-        residual_gain=nu,
-        rate=2.0 / step,
-        spacing=track.length / count,
-        ring=track.ring,
+        from_seats=np.ascontiguousarray(slab.seats.T),
+        solve=0.5 * (solve + solve.T),
+        residual=split_matrix(residual),
     )
 
 
 class WheelCoupling(NamedTuple):
     """How the wheels, the fasteners and the wheels among themselves are coupled by the rails.
 
-    It is the same in both classes.
-
     Attributes
     ----------
-    at_fasteners
-        Deflection at the fasteners per unit wheel force: by the modes Y_w (times h^2/4), by all
-        of them (with the residual R_w), and the residual alone, shape (3, w, P), m/N.
-    clamped
-        Force of held fasteners per unit wheel force, mu Y_w + nu R_w, shape (w, P).
+    by_modes, by_all, residual
+        Deflection at the fasteners per unit wheel force, by the modes, by all of them and by those
+        left out, shape (w, P), m/N.
     modal, total
         Deflection under the wheels per unit force under another one: by the modes and by
         all of them, shape (w, w), m/N.
     """
 
-    at_fasteners: np.ndarray
-    clamped: np.ndarray
+    by_modes: np.ndarray
+    by_all: np.ndarray
+    residual: np.ndarray
     modal: np.ndarray
     total: np.ndarray
 
+    @classmethod
+    def empty(cls, wheels: int, fasteners: int) -> "WheelCoupling":
+        """Return room for as many wheels and fasteners."""
+        to_fasteners = [np.empty((wheels, fasteners)) for _ in range(3)]
+        return cls(*to_fasteners, np.empty((wheels, wheels)), np.empty((wheels, wheels)))
 
-@numba.njit(cache=True)
-def wheel_coupling(operator, positions):
-    """Return the :class:`WheelCoupling` of wheels at ``positions`` (w,), m in the window."""
-    wheels, fasteners = positions.size, operator.sines.shape[0]
-    at_fasteners = np.empty((3, wheels, fasteners))
-    clamped = np.empty((wheels, fasteners))
-    modal, total = np.empty((wheels, wheels)), np.empty((wheels, wheels))
-    ring = operator.ring
-    for wheel in range(wheels):
-        here = positions[wheel] / operator.spacing
-        by_modes, by_all, residual = at_fasteners[0], at_fasteners[1], at_fasteners[2]
-        to_fasteners(operator.response_kernel, here, by_modes[wheel])
-        to_fasteners(operator.residual_kernel, here, residual[wheel])
-        for i in range(fasteners):
-            moving, static = by_modes[wheel, i], residual[wheel, i]
-            by_all[wheel, i] = moving + static
-            clamped[wheel, i] = operator.modal_gain[i] * moving + operator.residual_gain[i] * static
+
+@kernel
+def wheel_coupling(rail, places, out):
+    """Fill a :class:`WheelCoupling` for wheels at ``places`` (w,), m in the window."""
+    by_modes, by_all, residual = out.by_modes, out.by_all, out.residual
+    modal, total = out.modal, out.total
+    for wheel in range(places.size):
+        here = places[wheel] / rail.spacing
+        to_fasteners(rail.response_kernel, here, by_modes[wheel])
+        to_fasteners(rail.residual_kernel, here, residual[wheel])
+        for i in range(by_all.shape[1]):
+            by_all[wheel, i] = by_modes[wheel, i] + residual[wheel, i]
         for other in range(wheel + 1):
-            there = positions[other] / operator.spacing
-            moving = between(operator.response_kernel, here, there, ring)
-            static = between(operator.residual_kernel, here, there, ring)
+            there = places[other] / rail.spacing
+            moving = between(rail.response_kernel, here, there, rail.ring)
+            static = between(rail.residual_kernel, here, there, rail.ring)
             modal[wheel, other] = modal[other, wheel] = moving
             total[wheel, other] = total[other, wheel] = moving + static
-    return WheelCoupling(at_fasteners, clamped, modal, total)
 
 
 class FreeStep(NamedTuple):
@@ -228,8 +216,10 @@ class FreeStep(NamedTuple):
         Fastener forces without wheel forces, and per unit force of each wheel, (1 + w, P), N.
     deflection, rate
         Of the rail under the wheels, (w,), m and m/s.
-    compliance, mobility
-        Deflection and rate under the wheels per unit wheel force, (w, w).
+    compliance
+        Deflection under the wheels per unit wheel force, (w, w).
+    mobility
+        Rate of deflection under a wheel per unit force of its own, (w,).
     """
 
     fastener: np.ndarray
@@ -238,87 +228,134 @@ class FreeStep(NamedTuple):
     compliance: np.ndarray
     mobility: np.ndarray
 
+    @classmethod
+    def empty(cls, wheels: int, fasteners: int) -> "FreeStep":
+        """Return room for as many wheels and fasteners."""
+        at_wheels = [np.empty(wheels) for _ in range(3)]
+        compliance = np.empty((wheels, wheels))
+        return cls(np.empty((1 + wheels, fasteners)), *at_wheels[:2], compliance, at_wheels[2])
 
-@numba.njit(cache=True)
-def _held_forces(operator, waves, slab, residual):
-    """Force of held fasteners after the free step of modes and residual, (P,)."""
-    count = operator.sines.shape[0]
-    folded = np.empty((2, count))
+
+@kernel
+def _held_forces(rail, seats, waves, slab, residual, out):
+    """Fill ``out`` (P,) with u: what held fasteners are compressed by after the free step.
+
+    ``waves`` (2, N) and ``slab`` (3 x S n,) after that step, ``residual`` (2, P) before it.
+    """
+    folding, count = rail.folding, out.size
+    half = folding.to_fasteners.shape[1]
+    sums, moved, at_fasteners = np.empty((2, half)), np.empty((2, half)), np.empty((2, count))
+    under = np.dot(slab[: 2 * slab.size // 3].reshape((-1, seats.shape[0])), seats).ravel()
     for derivative in range(2):
-        fold(operator.fold_index, operator.fold_sign, waves[derivative], folded[derivative])
-    rail = folded @ operator.sines
-    seats = (slab[:2].reshape(-1, slab.shape[2]) @ operator.seats).reshape(2, count)
-    force = np.empty(count)
+        fold(folding.place, folding.sign, waves[derivative], sums.ravel())
+        apply(folding.to_fasteners, sums, moved)
+        join(moved, at_fasteners[derivative])
     for i in range(count):
-        force[i] = operator.stiffness * (rail[0, i] - seats[0, i]) + operator.damping[i] * (
-            rail[1, i] - seats[1, i] - operator.rate * residual[0, i] - residual[1, i]
-        )
-    return force
+        elastic = rail.stiffness * (at_fasteners[0, i] - under[i])
+        squeeze = rail.rate * residual[0, i] + residual[1, i]
+        viscous = rail.damping[i] * (at_fasteners[1, i] - under[count + i] - squeeze)
+        out[i] = rail.flexibility[i] * (elastic + viscous)
 
 
-@numba.njit(cache=True)
-def free_class_step(operator, old, shapes, coupling, step, new):
+@kernel
+def free_class_step(rail, own, fields, coupling, shapes, step, out):
     """Step one symmetry class with fasteners but without wheel forces.
 
-    Writes the coordinates, free of all forces yet, to ``new``, which may be ``old``
-    (:class:`FieldState` both); returns a :class:`FreeStep`.
+    ``rail`` and ``own`` are the operators, ``fields`` a :class:`ClassFields`, ``shapes`` (w, N)
+    those of the waves under the wheels. Fills the :class:`FreeStep` ``out``.
     """
-    wheels, count = coupling.clamped.shape
-    step_undamped(old.rail.reshape(3, -1), operator.rail_softening, step, new.rail.reshape(3, -1))
-    step_damped(
-        old.slab.reshape(3, -1),
-        operator.slab_softening,
-        operator.slab_drag,
-        step,
-        new.slab.reshape(3, -1),
-    )
-    waves = np.empty((2, shapes.shape[1]))
-    for derivative in range(2):
-        wave_amplitudes(
-            operator.rail_participation, new.rail[derivative].ravel(), waves[derivative]
-        )
-    held = np.empty((1 + wheels, count))
-    held[0] = _held_forces(operator, waves, new.slab, old.residual)
-    held[1:] = coupling.clamped
-    fastener = held @ operator.solve.T
-    # Rows: modal part under each wheel, then all of it; columns: free, then per wheel force.
-    taken = coupling.at_fasteners[:2].reshape(-1, count) @ fastener.T
-    free = shapes @ waves.T
-    to_rate = 2.0 / step
-    return FreeStep(
-        fastener,
-        free[:, 0] - taken[wheels:, 0],
-        free[:, 1] - to_rate * taken[:wheels, 0],
-        coupling.total - taken[wheels:, 1:],
-        to_rate * (coupling.modal - taken[:wheels, 1:]),
-    )
-
-
-@numba.njit(cache=True)
-def close_class_step(operator, old, free, shapes, coupling, forces, step, new):
-    """Add fastener forces and wheel forces (w,) to a free step, in place.
-
-    Returns the fastener forces, (P,).
-    """
-    wheels, count = coupling.clamped.shape
-    fastener = free.fastener[0].copy()
-    residual = np.zeros(count)
+    wheels, count = coupling.by_all.shape
+    waves, held = np.empty((2, shapes.shape[1])), np.empty((1 + wheels, count))
+    step_waves(
+        fields.old_rail, rail.softening, rail.participation, step, fields.new_rail,
+        waves[0], waves[1],
+    )  # fmt: skip
+    step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
+    _held_forces(rail, own.seats, waves, fields.new_slab, fields.old_residual, held[0])
     for wheel in range(wheels):
-        share, own = free.fastener[1 + wheel], coupling.at_fasteners[2, wheel]
-        for i in range(count):
-            fastener[i] += forces[wheel] * share[i]
-            residual[i] += forces[wheel] * own[i]
-    residual -= operator.residual @ fastener
-    wave = np.empty(shapes.shape[1])
-    unfold(operator.fold_index, operator.fold_sign, operator.sines @ fastener, wave)
-    wave = forces @ shapes - wave
-    rail = new.rail.reshape(3, -1)
-    add_force(rail, 0, operator.rail_drive[: wave.size], wave, step)
-    add_force(rail, wave.size, operator.rail_drive[wave.size :], wave, step)
-    on_slabs = fastener.reshape(new.slab.shape[1], -1) @ operator.seats.T
-    add_acceleration(new.slab.reshape(3, -1), (on_slabs * operator.slab_weight).ravel(), step)
-    for i in range(count):
-        change = residual[i] - old.residual[0, i]
-        new.residual[1, i] = operator.rate * change - old.residual[1, i]
-        new.residual[0, i] = residual[i]
-    return fastener
+        copy(coupling.by_all[wheel], held[1 + wheel])
+    np.dot(held, own.solve, out.fastener)
+    _under_wheels(coupling, waves, shapes, 2.0 / step, out)
+
+
+@kernel
+def _under_wheels(coupling, waves, shapes, to_rate, out):
+    """Take what the fasteners hold from the free motion under the wheels."""
+    fastener, compliance = out.fastener, out.compliance
+    for wheel in range(shapes.shape[0]):
+        by_modes, by_all = coupling.by_modes[wheel], coupling.by_all[wheel]
+        out.deflection[wheel] = dot(shapes[wheel], waves[0]) - dot(by_all, fastener[0])
+        out.rate[wheel] = dot(shapes[wheel], waves[1]) - to_rate * dot(by_modes, fastener[0])
+        own = coupling.modal[wheel, wheel] - dot(by_modes, fastener[1 + wheel])
+        out.mobility[wheel] = to_rate * own
+        for other in range(wheel + 1):
+            answer = coupling.total[wheel, other] - dot(by_all, fastener[1 + other])
+            compliance[wheel, other] = compliance[other, wheel] = answer
+
+
+class ClassFields(NamedTuple):
+    """Coordinates of one class at the start of a step, and room for those at its end; flat.
+
+    Attributes
+    ----------
+    old_rail, old_slab, new_rail, new_slab
+        As in :mod:`slab_track.oscillators`, (3 x 2N,) and (3 x S n,).
+    old_residual, new_residual
+        Compression of the fasteners by the modes left out and its rate, (2, P).
+    fastener
+        Receives the fastener forces, (P,), N.
+    """
+
+    old_rail: np.ndarray
+    old_slab: np.ndarray
+    old_residual: np.ndarray
+    new_rail: np.ndarray
+    new_slab: np.ndarray
+    new_residual: np.ndarray
+    fastener: np.ndarray
+
+
+@kernel
+def close_class_step(rail, own, fields, coupling, free, shapes, forces, step):
+    """Add fastener forces and wheel forces (w,) to a free step, in place."""
+    wheels, count = coupling.by_all.shape
+    half = rail.folding.to_waves.shape[1]
+    fastener, pushed = fields.fastener, np.empty(count)
+    halves, given = np.empty((2, half)), np.empty((2, half))
+    copy(free.fastener[0], fastener)
+    for wheel in range(wheels):
+        add_scaled(forces[wheel], free.fastener[1 + wheel], fastener)
+    split(fastener, halves)
+    _close_rail(rail, halves, given, fields.new_rail, shapes, forces, step)
+    seats = own.from_seats
+    on_slabs = np.dot(fastener.reshape((-1, seats.shape[0])), seats).ravel()
+    add_force(fields.new_slab, 0, own.slab_weight, on_slabs, step)
+    apply(own.residual, halves, given)
+    join(given, pushed)
+    _follow(rail.rate, coupling.residual, forces, pushed, fields.old_residual, fields.new_residual)
+
+
+@kernel
+def _close_rail(rail, halves, sums, new, shapes, forces, step):
+    """Add the forces of wheels and fasteners, these in halves, to the rail's waves."""
+    count, folding = shapes.shape[1], rail.folding
+    wave = np.empty(count)
+    apply(folding.to_waves, halves, sums)
+    unfold(folding.home, folding.home_sign, sums.ravel(), wave)
+    for k in range(count):
+        wave[k] = -wave[k]
+    for wheel in range(shapes.shape[0]):
+        add_scaled(forces[wheel], shapes[wheel], wave)
+    add_force(new, 0, rail.drive, wave, step)
+    add_force(new, count, rail.drive, wave, step)
+
+
+@kernel
+def _follow(rate, by_wheels, forces, by_fasteners, old, new):
+    """Compression by the modes left out: r = R_w F - R p, its rate by the trapezoidal rule."""
+    for i in range(by_fasteners.size):
+        new[0, i] = -by_fasteners[i]
+    for wheel in range(forces.size):
+        add_scaled(forces[wheel], by_wheels[wheel], new[0])
+    for i in range(by_fasteners.size):
+        new[1, i] = rate * (new[0, i] - old[0, i]) - old[1, i]

@@ -11,9 +11,9 @@ speed, so the change is divided by 1 + D c, with Kalker's slope D and the mobili
 
 import math
 
-import numba
 import numpy as np
 
+from slab_track.compiled import entry, kernel
 from slab_track.contact.wheelset import (
     ANGLE,
     C22,
@@ -25,6 +25,7 @@ from slab_track.contact.wheelset import (
     SEMI_AXIS_B,
     STIFFNESS,
     add_resultants,
+    clear,
     locate_wheel,
     patch_forces,
 )
@@ -47,7 +48,7 @@ _SLOWEST = 0.1
 """Speed below which Kalker's slope stays, m/s."""
 
 
-@numba.njit(cache=True)
+@entry
 def hertz_force(penetration, hertz_constant):
     """Eq. (1): normal force in N from the penetration in m, zero when separated."""
     if penetration <= 0.0:
@@ -55,7 +56,7 @@ def hertz_force(penetration, hertz_constant):
     return (penetration / hertz_constant) ** 1.5
 
 
-@numba.njit(cache=True)
+@kernel
 def implicit_penetration(gap, compliance, stiffness):
     """Solve delta + C K delta^1.5 = gap for delta.
 
@@ -74,17 +75,20 @@ def implicit_penetration(gap, compliance, stiffness):
     return root * root
 
 
-@numba.njit(cache=True)
-def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
+@kernel
+def contact_forces(approach, same, cross, start, hertz_constant):
     """Solve the normal forces of all wheels, (wheels, 2), and their penetrations.
 
     ``approach`` (wheels, 2) is the penetration that the wheels would have on rails
-    free of wheel forces. Wheel by wheel the scalar law is solved exactly; sweeps
+    free of wheel forces; ``same`` and ``cross`` as in
+    :class:`slab_track.interaction.Interaction`; ``start`` (wheels, 2, 2) has first guesses in
+    its first column. Wheel by wheel the scalar law is solved exactly; sweeps
     account for the small compliance between different wheels.
     """
     count = approach.shape[0]
-    same, cross = 0.5 * (compliance_s + compliance_a), 0.5 * (compliance_s - compliance_a)
-    force, penetration = start.copy(), np.empty_like(start)
+    force, penetration = np.empty((count, 2)), np.empty((count, 2))
+    for wheel in range(count):
+        force[wheel, 0], force[wheel, 1] = start[wheel, 0, 0], start[wheel, 1, 0]
     stiffness = hertz_constant**-1.5
     for _ in range(50):
         change = 0.0
@@ -104,7 +108,7 @@ def contact_forces(approach, compliance_s, compliance_a, start, hertz_constant):
     return force, penetration
 
 
-@numba.njit(cache=True)
+@kernel
 def rail_motion(free, compliance, mobility, force, out):
     """Motion of the rail's axis: y, z, roll and rates, for a force (y, z, roll), into ``out``."""
     for i in range(3):
@@ -114,7 +118,7 @@ def rail_motion(free, compliance, mobility, force, out):
             out[3 + i] += mobility[i, j] * force[j]
 
 
-@numba.njit(cache=True)
+@kernel
 def _quadratic_form(matrix, a):
     total = 0.0
     for i in range(3):
@@ -123,7 +127,7 @@ def _quadratic_form(matrix, a):
     return total
 
 
-@numba.njit(cache=True)
+@kernel
 def _normal_direction(row, out):
     """Force on the rail's axis (y, z, roll) per unit normal force of a patch."""
     sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
@@ -131,7 +135,7 @@ def _normal_direction(row, out):
     out[2] = row[RAIL_ARM_Y] * cosine + row[RAIL_ARM_Z] * sine
 
 
-@numba.njit(cache=True)
+@kernel
 def _lateral_direction(row, out):
     """Force on the rail's axis per unit lateral creep force on the wheel."""
     sine, cosine = math.sin(row[ANGLE]), math.cos(row[ANGLE])
@@ -139,7 +143,7 @@ def _lateral_direction(row, out):
     out[2] = -(row[RAIL_ARM_Y] * sine - row[RAIL_ARM_Z] * cosine)
 
 
-@numba.njit(cache=True)
+@kernel
 def solve_wheel(
     tables,
     grid,
@@ -197,8 +201,8 @@ def solve_wheel(
         error = _solve_normal(compliance, located, force, normal, creep)
         y, roll = rail[0], rail[2]
         rail_motion(free, compliance, mobility, force, rail)
-        wheelset[:] = 0.0
-        force[:] = 0.0
+        clear(wheelset)
+        clear(force)
         for patch in range(2):
             row, answer = located[patch], forces[patch]
             patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
@@ -228,13 +232,13 @@ def solve_wheel(
     return False
 
 
-@numba.njit(cache=True)
+@kernel
 def _tolerance(round_):
     """Error that ends the iteration, N: it grows where the creep force jumps to and fro."""
     return min(_TOLERANCE * max(1.0, 1.25 ** (round_ - 12)), _LOOSEST)
 
 
-@numba.njit(cache=True)
+@kernel
 def _solve_normal(compliance, located, force, normal, creep):
     """Solve Hertz's law along the normals of both patches, with the creep forces as they are.
 
@@ -242,7 +246,7 @@ def _solve_normal(compliance, located, force, normal, creep):
     """
     direction = np.empty(3)
     error, lost, touching = 0.0, 0.0, 0
-    force[:] = 0.0
+    clear(force)
     for patch in range(2):
         row = located[patch]
         before = normal[patch]
@@ -266,7 +270,7 @@ def _solve_normal(compliance, located, force, normal, creep):
     return max(error, lost) if touching > 1 else lost
 
 
-@numba.njit(cache=True)
+@kernel
 def _damping(tables, motion, mobility, row, force):
     """D c: fall of the lateral creep force by its own effect on the rail, by Kalker's slope."""
     direction = np.empty(3)

@@ -16,7 +16,7 @@ over the wheel's and the rail's surface. The component of the velocity along
 
 import math
 
-from numba import njit
+from slab_track.compiled import entry, kernel
 
 SLOWEST = 0.1
 """Speed (m/s) below which creepages no longer grow: they stay finite at standstill."""
@@ -26,7 +26,7 @@ X, Y, Z, ROLL, YAW, V_X, V_Y, V_Z, ROLL_RATE, YAW_RATE, PITCH_RATE = range(11)
 RAIL_Y, RAIL_Z, RAIL_ROLL, RAIL_V_Y, RAIL_V_Z, RAIL_ROLL_RATE = range(6)
 
 
-@njit(cache=True)
+@kernel
 def angular_velocity(motion):
     """Return the wheelset's angular velocity in the track frame (rad/s).
 
@@ -42,7 +42,7 @@ def angular_velocity(motion):
     )
 
 
-@njit(cache=True)
+@entry
 def creepages(motion, rail, arm_x, arm_y, arm_z, rail_arm_y, rail_arm_z, angle):
     """Return longitudinal creepage, lateral creepage and spin of a patch.
 

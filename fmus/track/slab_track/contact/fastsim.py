@@ -40,8 +40,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from slab_track.compiled import entry, stream
 
 _LANES = 8
 """Strips that are computed side by side: constant, so that the compiler uses vectors."""
@@ -66,7 +67,7 @@ class FastsimGrid(NamedTuple):
     columns: NDArray[np.float64]
 
 
-@njit(cache=True)
+@entry
 def fastsim_grid(columns, strips):
     """Return the :class:`FastsimGrid` of ``columns`` x ``strips`` cells."""
     count = -(-strips // _LANES) * _LANES
@@ -85,7 +86,7 @@ def fastsim_grid(columns, strips):
     return FastsimGrid(across, along)
 
 
-@njit(cache=True)
+@entry
 def fastsim(
     normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi, columns, strips
 ):
@@ -119,7 +120,7 @@ def fastsim(
     )  # fmt: skip
 
 
-@njit(cache=True)
+@entry
 def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi):
     """As :func:`fastsim`, on a grid made before."""
     if normal_force <= 0.0 or friction <= 0.0:
@@ -146,7 +147,7 @@ def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, frictio
     return unit * force_x, unit * force_y, unit * moment
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@stream
 def _adhere(strips, slip_x, slip_y, spin_a, spin_b, work):
     """Fill ``work`` with the traction where adhesion ends, and its integrals up to there."""
     for i in range(_LANES):
@@ -175,7 +176,7 @@ def _adhere(strips, slip_x, slip_y, spin_a, spin_b, work):
         work[_SUM_M * _LANES + i] = half * sum_y + s2 * s * (w_y / 3.0 - 0.125 * spin_a * s)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@stream
 def _slip(columns, slip_y, spin_a, stiffer, work):
     """Step through the rest of the strips, in place."""
     softer = 1.0 / stiffer

@@ -22,7 +22,7 @@ System Dynamics 60 (2022), 1253-1291 (position weighted by overlap).
 
 import math
 
-from numba import njit
+from slab_track.compiled import entry
 
 TREAD, FLANGE = 0, 1
 """Patch indices."""
@@ -40,7 +40,7 @@ _STEEPEST = 10.0
 _MEETING_SHARE = 0.7
 
 
-@njit(cache=True)
+@entry
 def overlap_patch(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, inside, spacing, depth, out):
     """Describe one patch; arguments are arrays over the same points of the section.
 

@@ -11,9 +11,9 @@ import os
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from slab_track.compiled import entry, kernel
 from slab_track.contact.geometry import ContactGeometry
 from slab_track.contact.hertz import contact_modulus, hertz_factors
 from slab_track.contact.kalker import kalker_coefficients
@@ -187,17 +187,19 @@ def tabulate_patches(geometry: ContactGeometry) -> NDArray[np.float64]:
     return table
 
 
-@njit(cache=True)
+@entry
 def _fill_row(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, flange, spacing, depth, out):
     """Fill ``out`` (2, shifts, columns) for one roll angle."""
     shifts, count = out.shape[1], rail_z.size
-    found = np.zeros((2, shifts), np.bool_)
+    found, zone = np.zeros((2, shifts), np.bool_), np.zeros((2, flange.size), np.bool_)
+    for i in range(flange.size):
+        zone[0, i], zone[1, i] = not flange[i], flange[i]
     for shift in range(shifts):
         # A wheel shifted outwards meets the rail with points nearer to its flange.
         first = shifts - 1 - shift
         z, angle = wheel_z[first : first + count], wheel_angle[first : first + count]
         for patch in range(2):
-            inside = flange[first : first + count] == (patch == 1)
+            inside = zone[patch, first : first + count]
             found[patch, shift] = overlap_patch(
                 rail_z, rail_angle, rail_y, z, angle, inside, spacing, depth, out[patch, shift]
             )
@@ -205,17 +207,25 @@ def _fill_row(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, flange, spacing,
         _continue_ends(found[patch], out[patch])
 
 
-@njit(cache=True)
+@kernel
 def _continue_ends(found, out):
     """Where profiles are beside each other, repeat the nearest patch: it never touches."""
-    present = np.nonzero(found)[0]
-    if present.size == 0:  # A zone that the profile lacks, as a flange: 1 m away everywhere.
-        out[:] = 0.0
-        out[:, HEIGHT] = 1.0
-        return
-    for shift in range(found.size):
-        if not found[shift]:
-            out[shift] = out[present[np.argmin(np.abs(present - shift))]]
+    count = found.size
+    for shift in range(count):
+        if found[shift]:
+            continue
+        near = -1
+        for reach in range(1, count):
+            if shift >= reach and found[shift - reach]:
+                near = shift - reach
+                break
+            if shift + reach < count and found[shift + reach]:
+                near = shift + reach
+                break
+        for column in range(out.shape[1]):
+            # A zone that the profile lacks, as a flange: 1 m away everywhere.
+            missing = 1.0 if column == HEIGHT else 0.0
+            out[shift, column] = out[near, column] if near >= 0 else missing
 
 
 def tabulate_ellipse(poisson_ratio: float) -> NDArray[np.float64]:
@@ -225,7 +235,7 @@ def tabulate_ellipse(poisson_ratio: float) -> NDArray[np.float64]:
     return np.hstack([factors, np.array(kalker)])
 
 
-@njit(cache=True)
+@kernel
 def _weights(fraction):
     """Catmull-Rom weights of the four nodes around an interval."""
     t, s = fraction, 1.0 - fraction
@@ -237,7 +247,7 @@ def _weights(fraction):
     )
 
 
-@njit(cache=True)
+@kernel
 def _locate(value, start, step, count):
     """Return the interval's index and the fraction in it, and whether the value is inside."""
     position = (value - start) / step
@@ -247,7 +257,7 @@ def _locate(value, start, step, count):
     return index, position - index, inside
 
 
-@njit(cache=True)
+@kernel
 def lookup_patch(tables, patch, lateral, roll, columns, out):
     """Interpolate the first ``columns`` columns of a patch into ``out``.
 
@@ -269,7 +279,7 @@ def lookup_patch(tables, patch, lateral, roll, columns, out):
     return inside_roll and inside_shift
 
 
-@njit(cache=True)
+@kernel
 def lookup_ellipse(tables, curvature_a, curvature_b, out):
     """Interpolate ``ln(a/b)``, F_1, F_2, C11, C22, C23 into ``out`` for the half-curvatures."""
     data = tables.ellipse

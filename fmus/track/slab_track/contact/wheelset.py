@@ -22,8 +22,8 @@ the foot of the perpendicular is found by one step along the tangent.
 import math
 
 import numpy as np
-from numba import njit
 
+from slab_track.compiled import entry, kernel
 from slab_track.contact.creepage import (
     RAIL_ROLL,
     RAIL_Y,
@@ -77,7 +77,15 @@ FORCED = 9
 _FAR = -1e-3
 
 
-@njit(cache=True)
+@kernel
+def clear(array):
+    """Fill a contiguous array with zeros."""
+    flat = array.ravel()
+    for i in range(flat.size):
+        flat[i] = 0.0
+
+
+@kernel
 def locate_wheel(tables, side, motion, rail, offset, out):
     """Find the patches of one wheel.
 
@@ -137,7 +145,7 @@ def locate_wheel(tables, side, motion, rail, offset, out):
     return inside
 
 
-@njit(cache=True)
+@kernel
 def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
     """Penetration, angle and elastic constants of a patch, in the rail's frame (right side)."""
     out[PENETRATION] = -1.0
@@ -172,7 +180,7 @@ def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
     return inside
 
 
-@njit(cache=True)
+@kernel
 def _yaw_protrusion(tables, shift, description, yaw):
     """How much lower a yawed wheel reaches at the patch (m), to second order in yaw."""
     slope = description[1]
@@ -180,7 +188,7 @@ def _yaw_protrusion(tables, shift, description, yaw):
     return 0.5 * yaw * yaw * slope * (tables.wheel_radius * slope + own)
 
 
-@njit(cache=True)
+@entry
 def normal_force(stiffness, penetration):
     """Return Hertz's force (N) and its derivative by the penetration (N/m)."""
     if penetration <= 0.0:
@@ -189,7 +197,7 @@ def normal_force(stiffness, penetration):
     return root * penetration, 1.5 * root
 
 
-@njit(cache=True)
+@kernel
 def patch_forces(tables, grid, motion, rail, row, normal, out):
     """Fill ``out`` (FORCED,) with the forces of one patch under a given normal force.
 
@@ -206,7 +214,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     out
         Receives normal and creep forces, creepages and semi-axes.
     """
-    out[:] = 0.0
+    clear(out)
     if normal <= 0.0 or row[PENETRATION] <= 0.0:
         return
     xi, eta, phi, direction = creepages(
@@ -238,7 +246,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     out[SEMI_AXIS_B] = b
 
 
-@njit(cache=True)
+@kernel
 def add_resultants(row, force, wheelset, on_rail):
     """Add a patch's forces on the wheelset (6,) and on the rail's axis (3,).
 
@@ -264,7 +272,7 @@ def add_resultants(row, force, wheelset, on_rail):
     on_rail[2] -= row[RAIL_ARM_Y] * f_z - row[RAIL_ARM_Z] * f_y
 
 
-@njit(cache=True)
+@entry
 def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, located, forces):
     """Contact of all wheels at an instant.
 
@@ -292,9 +300,9 @@ def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, loca
     inside = True
     grid = fastsim_grid(tables.columns, tables.strips)
     for i in range(motion.shape[0]):
-        wheelsets[i, :] = 0.0
+        clear(wheelsets[i])
         for k in range(2):
-            on_rails[i, k, :] = 0.0
+            clear(on_rails[i, k])
             side = -1.0 if k == 0 else 1.0
             row = located[i, k]
             inside &= locate_wheel(tables, side, motion[i], rails[i, k], offsets[i, k], row)

@@ -12,13 +12,13 @@ positive) and 1 lateral (right positive). The four kinds are
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
+from slab_track.compiled import entry
 from slab_track.irregularity.spectra import FloatArray
 
 
-@njit(cache=True)
+@entry
 def track_to_rails_in_place(values):
     """Turn (level, alignment, cross-level, gauge) into rails' values, one (2, 2) array."""
     level, alignment = values[0, 0], values[0, 1]

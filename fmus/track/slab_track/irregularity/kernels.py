@@ -9,9 +9,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from slab_track.compiled import entry, kernel
 from slab_track.irregularity.geometry import track_to_rails_in_place
 from slab_track.irregularity.noise import stream_key, white
 
@@ -66,7 +66,7 @@ class IrregularityData(NamedTuple):
     knot_values: Floats
 
 
-@njit(cache=True)
+@entry
 def evaluate_into(x, data, offsets, slopes):
     """Write the irregularity at the places ``x`` and its derivative along the line.
 
@@ -96,7 +96,7 @@ def evaluate_into(x, data, offsets, slopes):
         _add_cosines(x[i], data.cosines, offset, slope)
 
 
-@njit(cache=True)
+@kernel
 def _add_random(x, data, offset, slope):
     """Add the random level, alignment, cross-level and gauge."""
     for band in range(data.inverse_spacing.size):
@@ -128,7 +128,7 @@ def _add_random(x, data, offset, slope):
             slope[row, column] += d0 * y0 + d1 * y1 + d2 * y2 + d3 * y3
 
 
-@njit(cache=True)
+@kernel
 def _fill(band, block, slot, data):
     """Filter the samples of a block: numbers BLOCK * block - 1 and on, into a slot."""
     first_tap, taps = data.layout[band, 2], data.layout[band, 3]
@@ -149,7 +149,7 @@ def _fill(band, block, slot, data):
     data.kept_blocks[slot] = block
 
 
-@njit(cache=True)
+@kernel
 def _add_table(x, knots, knot_values, offset, slope):
     """Add the cubic Hermite interpolation of the user's file; zero beyond its knots."""
     if knots.size == 0 or not knots[0] <= x < knots[-1]:
@@ -178,7 +178,7 @@ def _add_table(x, knots, knot_values, offset, slope):
         )
 
 
-@njit(cache=True)
+@kernel
 def _fade_in(t, length, offset, slope):
     """Multiply by a quintic ramp from 0 (t <= 0) to 1 (t >= 1) of a length (m)."""
     if t >= 1.0:
@@ -191,7 +191,7 @@ def _fade_in(t, length, offset, slope):
             offset[row, column] *= ramp
 
 
-@njit(cache=True)
+@kernel
 def _add_cosines(x, cosines, offset, slope):
     """Add the dips ``depth / 2 * (1 + cos(2 pi (x - position) / length))``."""
     for i in range(cosines.shape[0]):

@@ -6,7 +6,9 @@ Flood 2014, "Fast splittable pseudorandom number generators") on a counter.
 """
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
+
+from slab_track.compiled import entry
 
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 _FIRST = np.uint64(0xBF58476D1CE4E5B9)
@@ -18,7 +20,7 @@ _MEAN = 4 * 65535 / 2
 _SCALE = float(np.sqrt(12.0 / (4.0 * (65536.0**2 - 1.0))))
 
 
-@njit(cache=True)
+@entry
 def mix(bits):
     """Scramble 64 bits: each bit of the input changes half of the output's."""
     bits = (bits ^ (bits >> _S30)) * _FIRST
@@ -26,7 +28,7 @@ def mix(bits):
     return bits ^ (bits >> _S31)
 
 
-@njit(cache=True)
+@entry
 def white(key, index):
     """Return number ``index`` (any int64) of the stream ``key``: mean 0, variance 1.
 
@@ -38,7 +40,7 @@ def white(key, index):
     return (float(total) - _MEAN) * _SCALE
 
 
-@njit(cache=True)
+@entry
 def stream_key(seed, band, channel):
     """Return the key of an independent stream for (seed, band, channel)."""
     key = mix(uint64(seed) + _GOLDEN)

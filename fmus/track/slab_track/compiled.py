@@ -1,0 +1,48 @@
+"""How functions are compiled: entries, which Python may call, and kernels, which only these call.
+
+Numba wraps every function twice, for calls from Python and from C, at more than half of the
+time that a short function takes to compile. Kernels go without. Of a kernel that streams through
+arrays the compiler is told that no two arguments overlap: then it can use vector instructions
+however many arrays there are.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core.compiler import Compiler
+
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+"""Fused, reordered and scaled operations: rounding errors only."""
+
+
+class _Apart(Compiler):
+    """Numba's compiler for functions whose arguments do not overlap."""
+
+    def define_pipelines(self) -> Any:
+        self.state.flags.noalias = True
+        return super().define_pipelines()
+
+
+def entry(function: Callable[..., Any]) -> Any:
+    """Compile a function that Python calls; division by zero gives infinity."""
+    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function that only compiled functions call; from Python it would crash."""
+    return numba.njit(
+        cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True
+    )(function)
+
+
+def stream(function: Callable[..., Any]) -> Any:
+    """As :func:`kernel`, for loops over arrays that do not overlap."""
+    return numba.njit(
+        cache=True,
+        error_model="numpy",
+        fastmath=FAST,
+        no_cfunc_wrapper=True,
+        no_cpython_wrapper=True,
+        pipeline_class=_Apart,
+    )(function)
