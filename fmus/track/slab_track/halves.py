@@ -6,14 +6,14 @@ fasteners does not mix what is even and what is odd about it. With the orthonorm
 .. math:: e_i = (f_i + f_{P+1-i})/\sqrt2,\quad o_i = (f_i - f_{P+1-i})/\sqrt2,\quad i \le P/2
 
 a P x P product falls into two of half the size. If P is odd, the fastener in the middle is even
-by itself. Halves are filled up with zeros to a multiple of eight.
+by itself. Halves are filled up with zeros to a multiple of 16.
 """
 
 import numpy as np
 
 from slab_track.compiled import stream
 
-LANES = 8
+LANES = 16
 _ROOT = float(np.sqrt(0.5))
 
 
@@ -74,17 +74,12 @@ def apply(columns, vector, out):
 
     ``columns`` (2, h, h) holds the transposed matrices: four columns at a time are added up.
     """
-    half = vector.shape[1]
     for side in range(2):
-        for i in range(half):
-            out[side, i] = 0.0
-        for j in range(0, half, 4):
-            a, b = vector[side, j], vector[side, j + 1]
-            c, d = vector[side, j + 2], vector[side, j + 3]
-            for i in range(half):
-                out[side, i] += (
-                    a * columns[side, j, i]
-                    + b * columns[side, j + 1, i]
-                    + c * columns[side, j + 2, i]
-                    + d * columns[side, j + 3, i]
-                )
+        factors, matrix, sums = vector[side], columns[side], out[side]
+        for i in range(sums.size):
+            sums[i] = 0.0
+        for j in range(0, factors.size, 4):
+            a, b, c, d = factors[j], factors[j + 1], factors[j + 2], factors[j + 3]
+            m0, m1, m2, m3 = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
+            for i in range(sums.size):
+                sums[i] += a * m0[i] + b * m1[i] + c * m2[i] + d * m3[i]

@@ -45,31 +45,26 @@ def kernel_table(weights: np.ndarray, fastener_count: int, *, ring: bool = False
 
 
 @kernel
-def _weights(fraction):
-    """Cubic Lagrange weights at -1, 0, 1, 2 for a fraction in [0, 1)."""
+def _weights(fraction, factor):
+    """Cubic Lagrange weights at -1, 0, 1, 2 for a fraction in [0, 1), times a factor."""
     f = fraction
     return (
-        -f * (f - 1.0) * (f - 2.0) / 6.0,
-        (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0,
-        -(f + 1.0) * f * (f - 2.0) / 2.0,
-        (f + 1.0) * f * (f - 1.0) / 6.0,
+        factor * (-f * (f - 1.0) * (f - 2.0) / 6.0),
+        factor * ((f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0),
+        factor * (-(f + 1.0) * f * (f - 2.0) / 2.0),
+        factor * ((f + 1.0) * f * (f - 1.0) / 6.0),
     )
 
 
 @stream
-def _add_line(table, row, w0, w1, w2, w3, column, first, last, out):
-    """Add the kernel between four rows to ``out`` from ``first`` to ``last``.
-
-    The columns of the table are neighbours too, the first one is ``column``.
-    """
-    shift = column - first
-    for i in range(first, last):
-        out[i] += (
-            w0 * table[row, shift + i]
-            + w1 * table[row + 1, shift + i]
-            + w2 * table[row + 2, shift + i]
-            + w3 * table[row + 3, shift + i]
-        )
+def _add_line(table, row, weights, column, out):
+    """Add the kernel between four rows, in neighbouring columns from ``column`` on."""
+    w0, w1, w2, w3 = weights
+    last = column + out.size
+    t0, t1 = table[row, column:last], table[row + 1, column:last]
+    t2, t3 = table[row + 2, column:last], table[row + 3, column:last]
+    for i in range(out.size):
+        out[i] += w0 * t0[i] + w1 * t1[i] + w2 * t2[i] + w3 * t3[i]
 
 
 @entry
@@ -83,22 +78,22 @@ def to_fasteners(table, position, out):
     bay = math.floor(place)
     phase = (place - bay) * PHASES
     row = int(phase)
-    w0, w1, w2, w3 = _weights(phase - row)
+    weights = _weights(phase - row, 1.0)
     if bay == 0 and period == count:
         bay = count
     for i in range(count):
         out[i] = 0.0
     # Fastener i is fraction - (i + 1 - bay) bays back.
     behind = min(max(bay - 1, 0), count)
-    _add_line(table, row, w0, w1, w2, w3, period - behind, 0, behind, out)
-    _add_line(table, row, w0, w1, w2, w3, behind + 1 - bay, behind, count, out)
+    _add_line(table, row, weights, period - behind, out[:behind])
+    _add_line(table, row, weights, behind + 1 - bay, out[behind:])
     if period > count:  # K is even: K(fraction + bay + i) = K(1 - fraction - (bay + i + 1)).
         phase = PHASES - phase
         row = int(phase)
-        w0, w1, w2, w3 = _weights(phase - row)
+        weights = _weights(phase - row, -1.0)
         before = min(period - bay - 1, count)
-        _add_line(table, row, -w0, -w1, -w2, -w3, bay + 1, 0, before, out)
-        _add_line(table, row, -w0, -w1, -w2, -w3, 0, before, count, out)
+        _add_line(table, row, weights, bay + 1, out[:before])
+        _add_line(table, row, weights, 0, out[before:])
 
 
 @entry
@@ -115,7 +110,7 @@ def _kernel(table, distance):
     bay = math.floor(distance)
     phase = (distance - bay) * PHASES
     row = int(phase)
-    w0, w1, w2, w3 = _weights(phase - row)
+    w0, w1, w2, w3 = _weights(phase - row, 1.0)
     column = (-bay) % table.shape[1]
     return (
         w0 * table[row, column]

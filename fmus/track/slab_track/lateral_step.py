@@ -9,7 +9,7 @@ from slab_track.compiled import entry, kernel, stream
 from slab_track.folding import sum_order
 from slab_track.halves import half_size
 from slab_track.lateral import PHASES, LateralTrack, lateral_operator
-from slab_track.oscillators import add_force, dot, fold, step_single, step_waves
+from slab_track.oscillators import add_force, dot, fold, step_last, step_waves
 from slab_track.waves import fastener_shapes
 
 
@@ -85,7 +85,7 @@ def free_rail(constants, folding, old, shapes, step, new, taken, motion):
     constants, folding
         :class:`LateralConstants` and :class:`slab_track.folding.Folding`.
     old, new
-        Coordinates at the start, and room for those at the end, free of all forces yet, (9N,).
+        Coordinates at the start, and room for those at the end, free of all forces yet, (3, 3N).
     shapes
         Of the waves under the wheels, (w, N).
     step
@@ -98,9 +98,7 @@ def free_rail(constants, folding, old, shapes, step, new, taken, motion):
     count = shapes.shape[1]
     waves, extension = np.empty((4, count)), np.empty((2, count))
     step_waves(old, constants.softening, constants.amplitude, step, new, waves[0], waves[2])
-    step_single(
-        old, 2 * count, constants.softening, constants.amplitude, step, new, waves[1], waves[3]
-    )
+    step_last(old, constants.softening, constants.amplitude, step, new, waves[1], waves[3])
     _extend(
         constants.stiffness, constants.damping, constants.foot, waves[0], waves[1], waves[2],
         waves[3], extension[0], extension[1],
@@ -167,8 +165,8 @@ def close_rail(constants, folding, free, shapes, forces, step, new):
         _let_go(folding.home, folding.home_sign, free[direction], taken[direction],
                 load[direction])  # fmt: skip
     add_force(new, 0, constants.drive, load[0], step)
-    add_force(new, count, constants.drive, load[0], step)
-    add_force(new, 2 * count, constants.drive, load[1], step)
+    add_force(new, 1, constants.drive, load[0], step)
+    add_force(new, 2, constants.drive, load[1], step)
 
 
 @stream

@@ -10,11 +10,11 @@ Every modal coordinate is a scalar oscillator
 the step is :math:`\ddot q' = \alpha(g' - c\tilde{\dot q} - \omega^2\tilde q)`,
 :math:`q' = \tilde q + \tfrac{h^2}{4}\ddot q'`,
 :math:`\dot q' = \tilde{\dot q} + \tfrac h2\ddot q'`; it is made in two parts, without the force
-and for the force. Coordinates are flat: all displacements, then all velocities, then all
+and for the force. Coordinates are arrays with rows of displacements, velocities and
 accelerations.
 """
 
-from slab_track.compiled import kernel, stream
+from slab_track.compiled import stream
 
 
 @stream
@@ -24,10 +24,10 @@ def step_waves(old, softening, participation, step, new, deflection, rate):
     Parameters
     ----------
     old
-        Coordinates, three equal parts: displacements, velocities, accelerations. In each the two
+        Coordinates, (3, m): displacements, velocities, accelerations. In each row the two
         branches come first, one after the other.
     softening, participation
-        alpha omega^2, and displacement per unit coordinate, (2N,).
+        alpha omega^2, and displacement per unit coordinate, from the same place on.
     step
         s.
     new
@@ -36,82 +36,81 @@ def step_waves(old, softening, participation, step, new, deflection, rate):
         Receive the waves' amplitudes and their rates, (N,).
     """
     count = deflection.size
-    upper, v, a = count, old.size // 3, 2 * (old.size // 3)
     half, quarter = 0.5 * step, 0.25 * step * step
     for k in range(count):
-        q0 = old[k] + step * old[v + k] + quarter * old[a + k]
-        q1 = old[upper + k] + step * old[v + upper + k] + quarter * old[a + upper + k]
-        a0, a1 = -softening[k] * q0, -softening[upper + k] * q1
-        v0 = old[v + k] + half * (old[a + k] + a0)
-        v1 = old[v + upper + k] + half * (old[a + upper + k] + a1)
+        q0 = old[0, k] + step * old[1, k] + quarter * old[2, k]
+        q1 = old[0, count + k] + step * old[1, count + k] + quarter * old[2, count + k]
+        a0, a1 = -softening[k] * q0, -softening[count + k] * q1
+        v0 = old[1, k] + half * (old[2, k] + a0)
+        v1 = old[1, count + k] + half * (old[2, count + k] + a1)
         q0 += quarter * a0
         q1 += quarter * a1
-        new[k], new[upper + k] = q0, q1
-        new[v + k], new[v + upper + k] = v0, v1
-        new[a + k], new[a + upper + k] = a0, a1
-        deflection[k] = participation[k] * q0 + participation[upper + k] * q1
-        rate[k] = participation[k] * v0 + participation[upper + k] * v1
+        new[0, k], new[1, k], new[2, k] = q0, v0, a0
+        new[0, count + k], new[1, count + k], new[2, count + k] = q1, v1, a1
+        deflection[k] = participation[k] * q0 + participation[count + k] * q1
+        rate[k] = participation[k] * v0 + participation[count + k] * v1
 
 
 @stream
-def step_single(old, first, softening, participation, step, new, deflection, rate):
-    """As :func:`step_waves` for one branch, whose coordinates begin at ``first`` in each part."""
+def step_last(old, softening, participation, step, new, deflection, rate):
+    """As :func:`step_waves` for the last of three branches."""
     count = deflection.size
-    v, a = old.size // 3, 2 * (old.size // 3)
     half, quarter = 0.5 * step, 0.25 * step * step
-    for k in range(first, first + count):
-        q0 = old[k] + step * old[v + k] + quarter * old[a + k]
-        a0 = -softening[k] * q0
-        v0 = old[v + k] + half * (old[a + k] + a0)
+    for k in range(count):
+        i = 2 * count + k
+        q0 = old[0, i] + step * old[1, i] + quarter * old[2, i]
+        a0 = -softening[i] * q0
+        v0 = old[1, i] + half * (old[2, i] + a0)
         q0 += quarter * a0
-        new[k], new[v + k], new[a + k] = q0, v0, a0
-        deflection[k - first] = participation[k] * q0
-        rate[k - first] = participation[k] * v0
+        new[0, i], new[1, i], new[2, i] = q0, v0, a0
+        deflection[k] = participation[i] * q0
+        rate[k] = participation[i] * v0
 
 
 @stream
 def step_damped(old, softening, drag, step, new):
     """Step damped oscillators without any force.
 
-    ``old`` and ``new`` (3 x n,), ``softening`` alpha omega^2 and ``drag`` alpha c, (n,).
+    ``old`` and ``new`` (3, n), ``softening`` alpha omega^2 and ``drag`` alpha c, (n,).
     """
-    count = softening.size
-    v, a = count, 2 * count
     half, quarter = 0.5 * step, 0.25 * step * step
-    for k in range(count):
-        q0 = old[k] + step * old[v + k] + quarter * old[a + k]
-        v0 = old[v + k] + half * old[a + k]
+    for k in range(softening.size):
+        q0 = old[0, k] + step * old[1, k] + quarter * old[2, k]
+        v0 = old[1, k] + half * old[2, k]
         a0 = -softening[k] * q0 - drag[k] * v0
-        new[k], new[v + k], new[a + k] = q0 + quarter * a0, v0 + half * a0, a0
+        new[0, k], new[1, k], new[2, k] = q0 + quarter * a0, v0 + half * a0, a0
 
 
 @stream
-def add_force(state, first, drive, force, step):
+def add_force(state, branch, drive, force, step):
     """Add the step's answer to modal forces, in place.
 
-    ``state`` (3 x n,) from place ``first`` of each part on; ``drive`` is the acceleration alpha phi
-    per unit ``force``, from the same place on; ``force`` (m,).
+    ``state`` (3, m): the force (n,) acts on n coordinates of each row, the ``branch``-th (0, 1, 2)
+    of them; ``drive`` (m,) is their acceleration alpha phi per unit force.
     """
-    v, a = first + state.size // 3, first + 2 * (state.size // 3)
     half, quarter = 0.5 * step, 0.25 * step * step
-    for k in range(force.size):
-        change = drive[first + k] * force[k]
-        state[first + k] += quarter * change
-        state[v + k] += half * change
-        state[a + k] += change
+    count = force.size
+    first, last = branch * count, (branch + 1) * count
+    q, v, a = state[0, first:last], state[1, first:last], state[2, first:last]
+    per_force = drive[first:last]
+    for k in range(count):
+        change = per_force[k] * force[k]
+        q[k] += quarter * change
+        v[k] += half * change
+        a[k] += change
 
 
-@kernel
+@stream
 def fold(place, sign, amplitudes, out):
     """Sum waves (N,) that look alike at the fasteners into ``out`` (2h,), both halves.
 
     ``place`` and ``sign`` (terms, 2h): the waves of each sum and their signs, 0 for none.
     """
     for i in range(out.size):
-        total = 0.0
-        for term in range(place.shape[0]):
-            total += sign[term, i] * amplitudes[place[term, i]]
-        out[i] = total
+        out[i] = sign[0, i] * amplitudes[place[0, i]]
+    for term in range(1, place.shape[0]):
+        for i in range(out.size):
+            out[i] += sign[term, i] * amplitudes[place[term, i]]
 
 
 @stream

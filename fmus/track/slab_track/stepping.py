@@ -246,11 +246,11 @@ def _class_fields(old, new, starts, symmetry, fasteners):
     first = RAIL_S if symmetry == 0 else RAIL_A
     begin = starts[FASTENER_FORCE] + symmetry * fasteners
     return ClassFields(
-        _part(old, starts, first),
-        _part(old, starts, first + 1),
+        _part(old, starts, first).reshape((3, -1)),
+        _part(old, starts, first + 1).reshape((3, -1)),
         _part(old, starts, first + 2).reshape((2, fasteners)),
-        _part(new, starts, first),
-        _part(new, starts, first + 1),
+        _part(new, starts, first).reshape((3, -1)),
+        _part(new, starts, first + 1).reshape((3, -1)),
         _part(new, starts, first + 2).reshape((2, fasteners)),
         new[begin : begin + fasteners],
     )
@@ -389,8 +389,8 @@ def free(op, old, new, part):
     for side in range(2):
         first = begin + side * size
         free_rail(
-            op.lateral, rail.folding, old[first : first + size], shapes, step,
-            new[first : first + size], scratch.taken[side], scratch.motion[side],
+            op.lateral, rail.folding, old[first : first + size].reshape((3, -1)), shapes, step,
+            new[first : first + size].reshape((3, -1)), scratch.taken[side], scratch.motion[side],
         )  # fmt: skip
     add_lateral(op.lateral, places, step, scratch.motion, op.at)
 
@@ -428,7 +428,7 @@ def close(op, old, new, last):
             first = begin + side * size
             close_rail(
                 op.lateral, rail.folding, op.scratch.taken[side], shapes, _side_force(force, side),
-                step, new[first : first + size],
+                step, new[first : first + size].reshape((3, -1)),
             )  # fmt: skip
     if last:
         report_rails(op.at, wheels)

@@ -240,12 +240,12 @@ class FreeStep(NamedTuple):
 def _held_forces(rail, seats, waves, slab, residual, out):
     """Fill ``out`` (P,) with u: what held fasteners are compressed by after the free step.
 
-    ``waves`` (2, N) and ``slab`` (3 x S n,) after that step, ``residual`` (2, P) before it.
+    ``waves`` (2, N) and ``slab`` (3, S n) after that step, ``residual`` (2, P) before it.
     """
     folding, count = rail.folding, out.size
     half = folding.to_fasteners.shape[1]
     sums, moved, at_fasteners = np.empty((2, half)), np.empty((2, half)), np.empty((2, count))
-    under = np.dot(slab[: 2 * slab.size // 3].reshape((-1, seats.shape[0])), seats).ravel()
+    under = np.dot(slab[:2].reshape((-1, seats.shape[0])), seats).ravel()
     for derivative in range(2):
         fold(folding.place, folding.sign, waves[derivative], sums.ravel())
         apply(folding.to_fasteners, sums, moved)
@@ -294,12 +294,12 @@ def _under_wheels(coupling, waves, shapes, to_rate, out):
 
 
 class ClassFields(NamedTuple):
-    """Coordinates of one class at the start of a step, and room for those at its end; flat.
+    """Coordinates of one class at the start of a step, and room for those at its end.
 
     Attributes
     ----------
     old_rail, old_slab, new_rail, new_slab
-        As in :mod:`slab_track.oscillators`, (3 x 2N,) and (3 x S n,).
+        As in :mod:`slab_track.oscillators`, (3, 2N) and (3, S n).
     old_residual, new_residual
         Compression of the fasteners by the modes left out and its rate, (2, P).
     fastener
@@ -347,7 +347,7 @@ def _close_rail(rail, halves, sums, new, shapes, forces, step):
     for wheel in range(shapes.shape[0]):
         add_scaled(forces[wheel], shapes[wheel], wave)
     add_force(new, 0, rail.drive, wave, step)
-    add_force(new, count, rail.drive, wave, step)
+    add_force(new, 1, rail.drive, wave, step)
 
 
 @kernel
