@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 from dense_track import dense_track, field_energy
 from slab_track import TrackModel, TrackParameters
+from slab_track.contact import ContactParameters
 from slab_track.kernel import between, kernel_table, to_fasteners
 from slab_track.parameters import Fastener, Integration, Rail, Slab, SlabSupport, Window
 from slab_track.slide import sample_points, slide_operator, slide_rail
@@ -223,3 +224,35 @@ def test_a_resting_pair_of_rails_stays_at_rest():
     for _ in range(50):
         state, out = model.step(state, _motion(0.13), 1e-4, applied_force=load)
     np.testing.assert_allclose(out.rail_deflection, before, rtol=1e-6)
+
+
+@pytest.mark.parametrize("residual", [False, True])
+def test_level_contact_obeys_hertz_s_law_on_unequally_loaded_rails(residual):
+    """Eq. (1) between the forces and the rails' motion of the same instant, rails far from alike.
+
+    Forces are found before the rails are moved by them: what both do to each other within the step
+    must be in the solution, for the two rails of a rolled wheelset too.
+    """
+    parameters = SMALL.replace(
+        rail=Rail(mode_count=60, residual_compliance=residual),
+        interface="contact",
+        contact=ContactParameters(model="vertical"),
+        wheelset_count=2,
+        static_wheel_load=7e4,
+    )
+    model = TrackModel(parameters)
+    motion = np.zeros((2, 11))
+    motion[:, 0], motion[:, 5] = (3.0, 0.5), 50.0
+    state = model.initial_state(motion)
+    motion[:, 2] = state.static_heights
+    state = model.with_motion(state, motion)
+    lever = 0.5 * parameters.contact.rolling_circle_distance * np.array([-1.0, 1.0])
+    constant = parameters.contact.hertz_constant_used
+    motion[:, 3] = 4e-5, -2e-5
+    for _ in range(5):
+        motion[:, 0] += 50.0 * 1e-4
+        state, out = model.step(state, motion, 1e-4, at_end=True)
+        height = motion[:, 2, None] + state.datum + lever * motion[:, 3, None]
+        penetration = height - out.rail_deflection
+        assert np.ptp(out.normal_force[0]) > 5e3
+        np.testing.assert_allclose(out.normal_force, (penetration / constant) ** 1.5, rtol=1e-9)
