@@ -24,25 +24,21 @@ class _Apart(Compiler):
         return super().define_pipelines()
 
 
+_ENTRY: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+_KERNEL: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
+_STREAM: dict[str, Any] = {**_KERNEL, "fastmath": FAST, "pipeline_class": _Apart}
+
+
 def entry(function: Callable[..., Any]) -> Any:
     """Compile a function that Python calls; division by zero gives infinity."""
-    return numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)(function)
+    return numba.njit(**_ENTRY)(function)
 
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call; from Python it would crash."""
-    return numba.njit(
-        cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True
-    )(function)
+    return numba.njit(**_KERNEL)(function)
 
 
 def stream(function: Callable[..., Any]) -> Any:
     """As :func:`kernel`, for loops over arrays that do not overlap."""
-    return numba.njit(
-        cache=True,
-        error_model="numpy",
-        fastmath=FAST,
-        no_cfunc_wrapper=True,
-        no_cpython_wrapper=True,
-        pipeline_class=_Apart,
-    )(function)
+    return numba.njit(**_STREAM)(function)

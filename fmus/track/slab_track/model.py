@@ -135,7 +135,7 @@ class TrackModel:
             waves=self.linear.rail.wave_number.size,
             fasteners=self.linear.fastener_count,
             slabs=self.linear.slab_count,
-            slab_modes=tuple(slab.omega_squared.size for slab in self.linear.slabs),
+            slab_modes=[slab.omega_squared.size for slab in self.linear.slabs],
         )
         self._no_force = np.zeros((p.wheelset_count, 2, 3))
         self._operator = functools.lru_cache(maxsize=8)(self._make_operator)

@@ -5,6 +5,7 @@ it is keeping one array. The parts are views.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -124,7 +125,7 @@ class StateLayout:
     """
 
     def __init__(
-        self, *, wheelsets: int, waves: int, fasteners: int, slabs: int, slab_modes: tuple[int, int]
+        self, *, wheelsets: int, waves: int, fasteners: int, slabs: int, slab_modes: Sequence[int]
     ) -> None:
         w = wheelsets
         fields = [

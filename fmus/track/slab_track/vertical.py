@@ -184,8 +184,10 @@ class WheelCoupling(NamedTuple):
     @classmethod
     def empty(cls, wheels: int, fasteners: int) -> "WheelCoupling":
         """Return room for as many wheels and fasteners."""
-        to_fasteners = [np.empty((wheels, fasteners)) for _ in range(3)]
-        return cls(*to_fasteners, np.empty((wheels, wheels)), np.empty((wheels, wheels)))
+        shape, among = (wheels, fasteners), (wheels, wheels)
+        return cls(
+            np.empty(shape), np.empty(shape), np.empty(shape), np.empty(among), np.empty(among)
+        )
 
 
 @kernel
@@ -231,9 +233,13 @@ class FreeStep(NamedTuple):
     @classmethod
     def empty(cls, wheels: int, fasteners: int) -> "FreeStep":
         """Return room for as many wheels and fasteners."""
-        at_wheels = [np.empty(wheels) for _ in range(3)]
-        compliance = np.empty((wheels, wheels))
-        return cls(np.empty((1 + wheels, fasteners)), *at_wheels[:2], compliance, at_wheels[2])
+        return cls(
+            fastener=np.empty((1 + wheels, fasteners)),
+            deflection=np.empty(wheels),
+            rate=np.empty(wheels),
+            compliance=np.empty((wheels, wheels)),
+            mobility=np.empty(wheels),
+        )
 
 
 @kernel
