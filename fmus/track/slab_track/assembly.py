@@ -15,9 +15,11 @@ out like 1/x, along the whole window; it is cut off when the window slides.
 """
 
 import functools
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from rail_quantities import kept_array
 
 from slab_track.parameters import TrackParameters
 from slab_track.plate import PlateModes, free_plate_modes, seat_compliance
@@ -184,16 +186,21 @@ def _slab_systems(parameters: TrackParameters) -> tuple[SlabSystem, SlabSystem]:
     shapes = np.sqrt(2.0) * plate.shapes(seats_x, right)
     residual = [np.zeros((seats_x.size, seats_x.size)) for _ in range(2)]
     if slab.residual_compliance:
+        arguments = {
+            "length": parameters.slab_length,
+            "width": slab.width,
+            "thickness": slab.thickness,
+            "youngs_modulus": slab.youngs_modulus,
+            "poisson_ratio": slab.poisson_ratio,
+            "foundation": stiffness,
+            "offset": float(right[0]),
+        }
         residual = list(
-            seat_compliance(
-                length=parameters.slab_length,
-                width=slab.width,
-                thickness=slab.thickness,
-                youngs_modulus=slab.youngs_modulus,
-                poisson_ratio=slab.poisson_ratio,
-                foundation=stiffness,
-                seats=seats_x,
-                offset=float(right[0]),
+            kept_array(
+                "plate",
+                (arguments, seats_x.tolist()),
+                lambda: np.stack(seat_compliance(seats=seats_x, **arguments)),
+                Path(__file__).parent,
             )
         )
     systems = []

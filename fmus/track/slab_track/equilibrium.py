@@ -56,20 +56,33 @@ class RailsAtRest(NamedTuple):
     motion: np.ndarray
 
 
+def vertical_at_rest(
+    track: LinearTrack, positions: np.ndarray
+) -> tuple[statics.StaticTrack, statics.StaticTrack]:
+    """Return both symmetry classes with wheels at ``positions`` (w,), m in the window."""
+    return (
+        statics.StaticTrack(track, positions, SYMMETRIC),
+        statics.StaticTrack(track, positions, ANTISYMMETRIC),
+    )
+
+
 def rails_at_rest(
-    track: LinearTrack, lateral: LateralTrack | None, positions: np.ndarray, force: np.ndarray
+    track: LinearTrack,
+    lateral: LateralTrack | None,
+    positions: np.ndarray,
+    force: np.ndarray,
+    prepared: tuple[statics.StaticTrack, statics.StaticTrack] | None = None,
 ) -> RailsAtRest:
     """Solve both rails for forces on their axes, (w, 2, 3): lateral, vertical, roll moment.
 
-    ``lateral`` is None for rails that are held laterally and in roll.
+    ``lateral`` is None for rails that are held laterally and in roll; ``prepared`` is what
+    :func:`vertical_at_rest` gives, where it is known.
     """
     half = np.sqrt(0.5)
     load_s = half * (force[:, 0, 1] + force[:, 1, 1])
     load_a = half * (force[:, 1, 1] - force[:, 0, 1])
-    vertical = (
-        statics.static_coordinates(track, positions, load_s, SYMMETRIC),
-        statics.static_coordinates(track, positions, load_a, ANTISYMMETRIC),
-    )
+    symmetric, antisymmetric = prepared or vertical_at_rest(track, positions)
+    vertical = symmetric.solve(load_s), antisymmetric.solve(load_a)
     motion = np.zeros((positions.size, 2, 6))
     motion[:, 0, 1] = half * (vertical[0].deflection - vertical[1].deflection)
     motion[:, 1, 1] = half * (vertical[0].deflection + vertical[1].deflection)

@@ -5,6 +5,7 @@
 >>> state, outputs = model.step(state, motion, 1e-4) # one communication step
 """
 
+import contextlib
 import functools
 import math
 from typing import NamedTuple
@@ -21,6 +22,7 @@ from slab_track.equilibrium import (
     profile_equilibrium,
     rails_at_rest,
     unit_compliance,
+    vertical_at_rest,
 )
 from slab_track.errors import TrackError
 from slab_track.halves import half_size
@@ -28,7 +30,7 @@ from slab_track.interaction import APPLIED, PROFILES, VERTICAL, Interaction, Whe
 from slab_track.irregularity import Irregularity
 from slab_track.lateral import LateralTrack, assemble_lateral
 from slab_track.lateral_step import lateral_constants
-from slab_track.motion import MOTION, extrapolate
+from slab_track.motion import extrapolate
 from slab_track.parameters import WHEELSET_PLACES, TrackParameters
 from slab_track.slide import SlideOperator, slide_operator
 from slab_track.state import (
@@ -199,20 +201,17 @@ class TrackModel:
             taper=p.window.rear_taper,
         )
 
-    def prepare(self) -> None:
-        """Compute and compile now what the first step and the first slide would."""
+    def prepare(self, state: TrackState) -> None:
+        """Compute and compile now what the first step from ``state`` and the first slide would."""
         if self.parameters.moves:
             _ = self.slide
-        motion = np.zeros((self.parameters.wheelset_count, len(MOTION)))
-        motion[:, 0] = self.default_positions()
-        state = self.initial_state(motion)
-        motion[:, 2] = state.static_heights
-        self.step(
-            self.with_motion(state, motion),
-            motion,
-            self.parameters.integration.maximum_step,
-            applied_force=self._no_force,
-        )
+        with contextlib.suppress(TrackError):  # it comes again where it can be dealt with
+            self.step(
+                state,
+                state.motion,
+                self.parameters.integration.maximum_step,
+                applied_force=self._no_force,
+            )
 
     # -- start ---------------------------------------------------------------
 
@@ -237,8 +236,11 @@ class TrackModel:
         offsets = self._offsets(motion[None, :, 0])[0]
         lateral = self.lateral if self._rails_move_sideways else None
 
+        places = motion[:, 0] - start
+        vertical = vertical_at_rest(self.linear, places)
+
         def rest(force):
-            return rails_at_rest(self.linear, lateral, motion[:, 0] - start, force)
+            return rails_at_rest(self.linear, lateral, places, force, vertical)
 
         heights, force = np.zeros(count), np.zeros((count, 2, 3))
         if p.static_wheel_load > 0.0:

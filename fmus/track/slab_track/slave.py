@@ -66,7 +66,7 @@ class TrackSlave(RailSlave):
             self.info(LEVEL_CONTACT)
         for remark in self._model.irregularity.remarks:
             self.warn(remark)
-        self._model.prepare()
+        self._model.prepare(self._state)
 
     def _find_places(self, count: int) -> None:
         self._inputs = self.slice_of(*names.motion_names(count))

@@ -29,6 +29,53 @@ class StaticSolution(NamedTuple):
     deflection: np.ndarray
 
 
+class StaticTrack:
+    """One symmetry class at rest under forces at given places: what does not depend on the forces.
+
+    ``positions`` (w,) in m from the window's start.
+    """
+
+    def __init__(self, track: LinearTrack, positions: np.ndarray, symmetry: int) -> None:
+        self._track, self._slab = track, track.slabs[symmetry]
+        rail, slab = track.rail, self._slab
+        # A ring's first mode is its rise as a whole, which only the fasteners hold.
+        self._rigid = rigid = rail.omega_squared == 0.0
+        flexibility = np.where(rigid, 0.0, 1.0 / np.where(rigid, 1.0, rail.omega_squared))
+        beta = np.sum(track.participation**2 * flexibility, axis=0)
+        places = (np.arange(track.fastener_count) + 0.5) * track.length / track.fastener_count
+        self._residual = track.fastener_residual(symmetry)
+        matrix = track.fastener_admittance(flexibility, 1.0 / slab.omega_squared, symmetry)
+        self._matrix = matrix + self._residual + np.eye(track.fastener_count) / track.stiffness
+        modal = track.wave_shapes(positions)
+        to_fasteners = track.wave_shapes(places).T @ (beta[:, None] * modal)
+        direct = modal.T @ (beta[:, None] * modal)
+        rail_residual = np.zeros_like(to_fasteners)
+        if track.residual_flexibility.size:
+            fine, weight = track.fine.shapes(positions), track.residual_flexibility[:, None]
+            rail_residual = track.fine.shapes(places).T @ (weight * fine)
+            direct = direct + fine.T @ (weight * fine)
+        self._modal, self._direct, self._flexibility = modal, direct, flexibility
+        self._both, self._rail_residual = to_fasteners + rail_residual, rail_residual
+
+    def solve(self, forces: np.ndarray) -> StaticSolution:
+        """Return the equilibrium under forces (w,) of this symmetry class, N."""
+        track, slab, rigid = self._track, self._slab, self._rigid
+        load, free = float(np.sum(forces)), bool(rigid.any())
+        fastener, rise = _carry(self._matrix, self._both @ forces, load, free=free)
+        net = self._modal @ forces - track.unfold(track.fastener_sines @ fastener)
+        seat_forces = fastener.reshape(track.slab_count, track.seat_count)
+        coordinates = self._flexibility * track.participation * net
+        if free:
+            coordinates[rigid] = rise / track.participation[rigid]
+        return StaticSolution(
+            rail=coordinates,
+            slab=seat_forces @ slab.seats.T / slab.omega_squared,
+            fastener=fastener,
+            residual=self._rail_residual @ forces - self._residual @ fastener,
+            deflection=self._direct @ forces - self._both.T @ fastener + rise,
+        )
+
+
 def static_coordinates(
     track: LinearTrack, positions: np.ndarray, forces: np.ndarray, symmetry: int
 ) -> StaticSolution:
@@ -37,38 +84,7 @@ def static_coordinates(
     ``positions`` (w,) in m from the window's start and ``forces`` (w,) in N are
     those of one symmetry class.
     """
-    rail, slab = track.rail, track.slabs[symmetry]
-    # A ring's first mode is its rise as a whole, which only the fasteners hold.
-    rigid = rail.omega_squared == 0.0
-    flexibility = np.where(rigid, 0.0, 1.0 / np.where(rigid, 1.0, rail.omega_squared))
-    beta = np.sum(track.participation**2 * flexibility, axis=0)
-    places = (np.arange(track.fastener_count) + 0.5) * track.length / track.fastener_count
-    residual = track.fastener_residual(symmetry)
-    matrix = track.fastener_admittance(flexibility, 1.0 / slab.omega_squared, symmetry)
-    matrix += residual + np.eye(track.fastener_count) / track.stiffness
-    modal = track.wave_shapes(positions)
-    to_fasteners = track.wave_shapes(places).T @ (beta[:, None] * modal)
-    direct = modal.T @ (beta[:, None] * modal)
-    size = track.residual_flexibility.size
-    rail_residual = np.zeros_like(to_fasteners)
-    if size:
-        fine, weight = track.fine.shapes(positions), track.residual_flexibility[:, None]
-        rail_residual = track.fine.shapes(places).T @ (weight * fine)
-        direct = direct + fine.T @ (weight * fine)
-    both = to_fasteners + rail_residual
-    fastener, rise = _carry(matrix, both @ forces, float(np.sum(forces)), free=bool(rigid.any()))
-    net = modal @ forces - track.unfold(track.fastener_sines @ fastener)
-    seat_forces = fastener.reshape(track.slab_count, track.seat_count)
-    coordinates = flexibility * track.participation * net
-    if rigid.any():
-        coordinates[rigid] = rise / track.participation[rigid]
-    return StaticSolution(
-        rail=coordinates,
-        slab=seat_forces @ slab.seats.T / slab.omega_squared,
-        fastener=fastener,
-        residual=rail_residual @ forces - residual @ fastener,
-        deflection=direct @ forces - both.T @ fastener + rise,
-    )
+    return StaticTrack(track, positions, symmetry).solve(forces)
 
 
 def _carry(

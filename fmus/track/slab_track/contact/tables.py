@@ -6,12 +6,14 @@ Interpolation is by Catmull-Rom splines (once continuously differentiable).
 """
 
 import functools
+import hashlib
 import math
-import os
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rail_quantities import kept_array
 
 from slab_track.compiled import entry, kernel
 from slab_track.contact.geometry import ContactGeometry
@@ -27,6 +29,7 @@ LATERAL_LIMIT = 0.022
 ROLL_LIMIT = 0.040
 """Largest tabulated roll of a wheel against its rail (rad)."""
 
+_PACKAGE = Path(__file__).parents[1]
 _LATERAL_STEPS = 880
 _ROLL_STEPS = 80
 _RATIO_LIMIT = 9.0
@@ -116,18 +119,17 @@ def build_tables(
     return _build_tables(parameters, placement, steel or Steel(), files)
 
 
-def _file_state(name: str) -> tuple[int, int] | None:
-    """Return what changes when a profile's file does; ``None`` for a built-in profile."""
+def _file_state(name: str) -> bytes | None:
+    """Return the digest of a profile's file; ``None`` for a built-in profile."""
     try:
-        state = os.stat(name)
+        return hashlib.sha256(Path(name).read_bytes()).digest()
     except (OSError, ValueError):
         return None
-    return state.st_mtime_ns, state.st_size
 
 
 @functools.lru_cache(maxsize=2)  # runs at several speeds in one process, as in a sweep
 def _build_tables(
-    parameters: ContactParameters, placement: tuple[float, ...], steel: Steel, _files: tuple
+    parameters: ContactParameters, placement: tuple[float, ...], steel: Steel, files: tuple
 ) -> ContactTables:
     geometry = ContactGeometry(
         load_profile("wheel", parameters.wheel_profile, parameters.profile_noise),
@@ -136,7 +138,8 @@ def _build_tables(
         reference_penetration=parameters.reference_penetration,
         spacing=2.0 * LATERAL_LIMIT / _LATERAL_STEPS,
     )
-    patch = tabulate_patches(geometry)
+    key = (parameters, placement, files)
+    patch = kept_array("contact", key, lambda: tabulate_patches(geometry), _PACKAGE)
     constant = parameters.hertz_constant
     return ContactTables(
         patch=patch,
