@@ -18,6 +18,8 @@ $(STAMP): pyproject.toml
 	  { echo "rail-cosim needs Python 3.11 or newer; name one: make PYTHON=python3.12 ..." >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
+	  echo "The tools of others could not be installed: tests/tools will be skipped." >&2
 	@touch $@
 
 # Sets up, builds both FMUs, runs the HD line at 300 km/h; results and plots in results/.

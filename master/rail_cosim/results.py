@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import errno
+import math
 import os
 import re
 import tempfile
@@ -87,9 +88,10 @@ def to_dataset(
     """
     # All at once: a Dataset that grows by one variable is merged anew each time.
     found: dict[str, xr.Variable] = {}
+    in_use = _wheelsets_in_use(system)
     for slave in system.slaves:
         names, values = recorder.values(slave.name)
-        for variable, members in _group(names).items():
+        for variable, members in _group(names, in_use).items():
             key = f"{variable}_{slave.name}" if variable in found else variable
             about = slave.variables[names[members[0][0]]]
             array = _variable(values, members, about.unit, about.description)
@@ -107,11 +109,19 @@ def to_dataset(
     )
 
 
-def _group(names: tuple[str, ...]) -> dict[str, list[tuple[int, Place]]]:
+def _wheelsets_in_use(system: SystemStructure) -> float:
+    """Return the number of terminals that are connected; a track may have more of them."""
+    places = [place(c.name) for c in system.connections]
+    used = [w.indices[0] + 1 for w in places if w.dimensions[:1] == ("wheelset",)]
+    return max(used, default=math.inf)
+
+
+def _group(names: tuple[str, ...], in_use: float) -> dict[str, list[tuple[int, Place]]]:
     groups: dict[str, list[tuple[int, Place]]] = {}
     for column, name in enumerate(names):
         where = place(name)
-        groups.setdefault(where.variable, []).append((column, where))
+        if where.dimensions[:1] != ("wheelset",) or where.indices[0] < in_use:
+            groups.setdefault(where.variable, []).append((column, where))
     return groups
 
 

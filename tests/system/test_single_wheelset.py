@@ -1,0 +1,67 @@
+"""The example of a vehicle of one's own: one wheelset, on our track."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from runs import GOLDEN, run
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "single_wheelset"
+PITCH = 8 * 0.629
+CONSTANT_LOAD = [
+    *("--set", "vehicle.suspension.vertical_stiffness=0"),
+    *("--set", "vehicle.suspension.vertical_damping=0"),
+]
+
+
+@pytest.fixture(scope="module")
+def wheelset(fmus, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("example")
+    command = [sys.executable, EXAMPLE / "build.py", folder]
+    subprocess.run(command, env=fmus.environment(), check=True)
+    return folder / "SingleWheelset.fmu"
+
+
+def test_it_satisfies_the_contract(fmus, wheelset):
+    done = fmus.command("check", wheelset)
+    assert "is a vehicle with 1 wheelset and satisfies the contract" in done.stdout
+    assert "run it with --set track.wheelset_count=1" in done.stdout
+
+
+def test_amplitude_is_that_of_the_finite_element_track(fmus, wheelset, tmp_path):
+    """Under a constant load, against the single wheel of the independent track."""
+    options = ["--vehicle", wheelset, "--set", "track.wheelset_count=1", *CONSTANT_LOAD]
+    contact = ["--set", "track.contact.hertz_constant=4.221e-8"]
+    done = run(fmus, tmp_path, *options, *contact, "--distance", 9 * PITCH)
+    assert done["normal_force"].shape[1:] == (1, 2)
+    assert len(done.slides) >= 5
+    found = done.amplitude("normal_force", PITCH)
+    assert found == pytest.approx(_golden(300.0, 40e6), rel=0.01)
+
+
+def _golden(speed_kmh, pad_stiffness):
+    wanted = ("single_wheel", speed_kmh, pad_stiffness, 52e3)
+    keys = ("vehicle", "speed_kmh", "pad_stiffness", "pad_damping")
+    (case,) = [
+        case
+        for case in json.loads(GOLDEN.read_text())["cases"]
+        if tuple(case[key] for key in keys) == wanted
+    ]
+    return case["wheel_force_amplitude"][0]
+
+
+def test_on_its_suspension_it_carries_the_same_load(fmus, wheelset, tmp_path):
+    """Gauss-Seidel and Jacobi agree, and the mean force is the static load."""
+    options = ["--vehicle", wheelset, "--set", "track.wheelset_count=1", "--distance", 4 * PITCH]
+    forces = []
+    for algorithm in ("gauss-seidel", "jacobi"):
+        folder = tmp_path / algorithm
+        folder.mkdir()
+        forces.append(run(fmus, folder, *options, "--algorithm", algorithm)["normal_force"])
+    load = 0.5 * 9.81 * (1881.0 + 12229.0)
+    assert forces[0][-600:].mean() == pytest.approx(load, rel=1e-3)
+    swing = np.ptp(forces[0][-600:])
+    assert np.abs(forces[0] - forces[1])[-600:].max() < 0.02 * swing

@@ -1,0 +1,48 @@
+"""fmpy's validation and its reader of SSP (the FMUs alone in it: tests/component)."""
+
+import zipfile
+
+import pytest
+from fmpy.ssp.ssd import find_components, get_connections, read_ssd, read_ssv
+from fmpy.validation import validate_fmu
+from tool_hosts import run_fmpy_ssp
+
+SETS = {"track": ("HD", "ZX", "paper", "start"), "vehicle": ("paper", "manchester1", "start")}
+
+
+def test_nothing_is_found_in_the_fmus_of_the_package(pair, tmp_path):
+    with zipfile.ZipFile(pair.ssp) as archive:
+        for name in ("HighSpeedVehicle", "InfiniteSlabTrack"):
+            path = archive.extract(f"resources/{name}.fmu", tmp_path)
+            assert validate_fmu(path) == []
+
+
+def test_package_satisfies_the_ssp_schemas(pair):
+    ssd = read_ssd(str(pair.ssp))  # validates, the bound parameter sets too
+    components = {c.name: c for c in find_components(ssd.system)}
+    assert sorted(components) == ["track", "vehicle"]
+    assert len(list(get_connections(ssd.system))) == 4 * (11 + 6)
+    bound = [b.source for b in components["track"].parameterBindings]
+    assert bound == ["resources/track-HD.ssv", "resources/track-start.ssv"]
+
+
+@pytest.mark.parametrize(("owner", "name"), [(o, n) for o, names in SETS.items() for n in names])
+def test_parameter_sets_are_valid_and_declare_their_units(pair, owner, name):
+    found = read_ssv(str(pair.ssp), resource=f"resources/{owner}-{name}.ssv")
+    assert found.parameters
+    with zipfile.ZipFile(pair.ssp) as archive:
+        text = archive.read(f"resources/{owner}-{name}.ssv").decode()
+    for parameter in found.parameters:
+        unit = getattr(parameter, "unit", None)
+        if unit:
+            assert f'<ssc:Unit name="{unit}">' in text
+    assert ' unit="' in text
+
+
+def test_simulate_ssp_starts_from_zeros_and_is_refused(fmus, pair):
+    """A limit of fmpy, not of the package: it does not pass on what the FMUs start with.
+
+    In the first step it gives each input 0.0, whatever the connected output is, so all
+    wheelsets stand in one place; the track says so and does not step.
+    """
+    assert "the wheelsets stand 81.2 m apart" in fmus.call(run_fmpy_ssp, pair.ssp)
