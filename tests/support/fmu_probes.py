@@ -5,6 +5,7 @@ Each function takes and returns plain values (see :meth:`product.Product.call`).
 
 import contextlib
 import io
+import runpy
 import sys
 from pathlib import Path
 from typing import Any
@@ -213,3 +214,10 @@ def refused_steps(path: Path, **parameters: Any) -> tuple[int, str]:
     status, text = host.step(size=STEP), host.get("status.message")
     host.close()
     return status, text
+
+
+def example_loads(script: Path, track: Path) -> dict[str, tuple[complex, complex]]:
+    """Run the loads of an example script; return computed value and closed form of each."""
+    found = runpy.run_path(str(script))
+    with contextlib.redirect_stdout(io.StringIO()):
+        return {name: found[name](track) for name in ("moving_load", "harmonic_load")}
