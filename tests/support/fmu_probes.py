@@ -221,3 +221,45 @@ def example_loads(script: Path, track: Path) -> dict[str, tuple[complex, complex
     found = runpy.run_path(str(script))
     with contextlib.redirect_stdout(io.StringIO()):
         return {name: found[name](track) for name in ("moving_load", "harmonic_load")}
+
+
+STEP_SIZES = (1e-4, 1e-6, 1e-6, 1e-2, 3e-5, 1e-3, 1e-6, 5e-3, 1e-4)
+
+
+def uneven_steps(path: Path) -> tuple[np.ndarray, float]:
+    """Step one FMU with steps of these sizes; return its real outputs and the way of wheelset 1.
+
+    The track's wheelsets roll on at constant height, the vehicle's forces are those at rest.
+    """
+    host = Host(str(path))
+    names = {v.name: v for v in host.about.modelVariables}
+    is_track = names["wheelset[1].longitudinal_position"].causality == "input"
+    outputs = [
+        v.valueReference for v in names.values() if v.causality == "output" and v.type == "Real"
+    ]
+
+    def roll(time: float) -> None:
+        for number, offset in enumerate(OFFSETS, start=1):
+            terminal = f"wheelset[{number}]."
+            motion = {
+                "longitudinal_position": SPEED * time - offset,
+                "longitudinal_velocity": SPEED,
+                "pitch_rate": -SPEED / WHEEL_RADIUS,
+            }
+            for name, value in motion.items():
+                host.fmu.setReal([names[terminal + name].valueReference], [value])
+
+    host.fmu.setupExperiment(startTime=0.0)
+    host.fmu.enterInitializationMode()
+    if is_track:
+        roll(0.0)
+    host.fmu.exitInitializationMode()
+    rows = []
+    for size in STEP_SIZES:
+        if is_track:
+            roll(host.time)
+        assert host.step(size=size) is None, host.texts()
+        rows.append(host.fmu.getReal(outputs))
+    way = host.get("wheelset[1].longitudinal_position")
+    host.close()
+    return np.array(rows), way
