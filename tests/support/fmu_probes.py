@@ -263,3 +263,8 @@ def uneven_steps(path: Path) -> tuple[np.ndarray, float]:
     way = host.get("wheelset[1].longitudinal_position")
     host.close()
     return np.array(rows), way
+
+
+def run_on_rigid_track(script: Path, vehicle: Path, duration: float) -> tuple:
+    """Run the vehicle by an example script; return times and heights."""
+    return runpy.run_path(str(script))["run"](vehicle, duration)
