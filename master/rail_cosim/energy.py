@@ -95,8 +95,8 @@ class InterfaceEnergy:
         self._store(1)
 
     def _store(self, row: int) -> None:
-        self._forces[row] = self._track[self._force_at]
-        self._motions[row] = self._vehicle[self._motion_at]
+        self._track.take(self._force_at, out=self._forces[row], mode="clip")
+        self._vehicle.take(self._motion_at, out=self._motions[row], mode="clip")
 
     def observe(self) -> None:
         """Take in the values at the end of a step."""

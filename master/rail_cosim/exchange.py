@@ -18,14 +18,14 @@ class Link:
     ----------
     source, target
         Positions in the source's output buffer and in the target's input
-        buffer, both of shape (n,).
+        buffer, both of shape (n,), or slices of length n.
     outputs
         The source's output buffer.
     """
 
     outputs: NDArray[np.float64]
-    source: NDArray[np.intp]
-    target: NDArray[np.intp]
+    source: NDArray[np.intp] | slice
+    target: NDArray[np.intp] | slice
 
 
 @dataclasses.dataclass(kw_only=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rail_cosim.connections import Connection, Unconnected, connect
 from rail_cosim.exchange import Link, Port
@@ -81,8 +82,16 @@ class SystemStructure:
                 links.append(
                     Link(
                         outputs=source.outputs.values,
-                        source=np.array(where_from, dtype=np.intp),
-                        target=np.array(where_to, dtype=np.intp),
+                        source=_places(where_from),
+                        target=_places(where_to),
                     )
                 )
         return links
+
+
+def _places(positions: list[int]) -> NDArray[np.intp] | slice:
+    """Return a slice for positions one after the other, which is several times as fast."""
+    first = positions[0]
+    if positions == list(range(first, first + len(positions))):
+        return slice(first, first + len(positions))
+    return np.array(positions, dtype=np.intp)

@@ -31,17 +31,22 @@ RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
 _MAX_ITERATIONS = 60
 
 
+# Numba wraps functions for calls from C and from Python, at half the time that it takes to compile
+# them: none for C, and none at all for kernels, which would crash if Python called them.
+_entry = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
+
 # Plain loops throughout: numba compiles each array expression into a function of its own.
 
 
-@njit(cache=True)
+@_kernel
 def copy_into(target: Array, first: int, source: Array) -> None:
     """Write ``source`` into ``target`` from index ``first`` on."""
     for index in range(source.size):
         target[first + index] = source[index]
 
 
-@njit(cache=True)
+@_kernel
 def add_columns(matrix: Array, first: int, vector: Array, result: Array) -> None:
     """Add ``matrix[first:first + n].T @ vector`` to ``result``, column by column."""
     for column in range(vector.size):
@@ -52,7 +57,7 @@ def add_columns(matrix: Array, first: int, vector: Array, result: Array) -> None
                 result[index] += row[index] * factor
 
 
-@njit(cache=True)
+@_entry
 def blow_off_force(rate: float, damping: float, limit: float, damping_after: float) -> float:
     """Force of a dashpot that blows off at the force ``limit``, N; ``rate`` in m/s."""
     force = damping * rate
@@ -62,7 +67,7 @@ def blow_off_force(rate: float, damping: float, limit: float, damping_after: flo
     return math.copysign(limit + damping_after * over, rate)
 
 
-@njit(cache=True)
+@_entry
 def stop_force(elongation: float, clearance: float, stiffness: float, cubic: float) -> float:
     """Force of a stop with free play to both sides, N; ``elongation`` in m."""
     depth = abs(elongation) - clearance
@@ -71,7 +76,7 @@ def stop_force(elongation: float, clearance: float, stiffness: float, cubic: flo
     return math.copysign(depth * (stiffness + cubic * depth * depth), elongation)
 
 
-@njit(cache=True)
+@_entry
 def maxwell_force(
     force: float,
     rate: float,
@@ -111,7 +116,7 @@ def maxwell_force(
     return force
 
 
-@njit(cache=True)
+@_entry
 def element_forces(
     start_force: Array,
     start: Array,
@@ -149,7 +154,7 @@ def element_forces(
         forces[index] = stop_force(end[index], law[7], law[8], law[9])
 
 
-@njit(cache=True)
+@_kernel
 def internal_forces(
     damper_forces: Array,
     start: Array,
@@ -169,7 +174,7 @@ def internal_forces(
         forces[12 + index] = -momentum[index] * end[16 + index]
 
 
-@njit(cache=True)
+@_kernel
 def excess_momentum(vector: Array, constants: Array) -> Array:
     """Angular momentum of the wheelsets beyond that of the parameter ``speed``, shape (4,).
 
@@ -181,7 +186,7 @@ def excess_momentum(vector: Array, constants: Array) -> Array:
     return momentum
 
 
-@njit(cache=True)
+@_kernel
 def less_static(forces: Array, static: float) -> Array:
     """Contact forces (24,) less the vertical force of each wheelset at rest."""
     excess = forces.copy()
@@ -190,7 +195,7 @@ def less_static(forces: Array, static: float) -> Array:
     return excess
 
 
-@njit(cache=True)
+@_entry
 def evaluate(
     vector: Array,
     forces: Array,
@@ -217,7 +222,7 @@ def evaluate(
     )
 
 
-@njit(cache=True)
+@_kernel
 def spin_wheelsets(state: Array, inputs: Array, step: float, inertia: float) -> None:
     """Integrate pitch angles and rates under the contact's pitch moments, in place."""
     for index in range(4):
@@ -231,7 +236,7 @@ def spin_wheelsets(state: Array, inputs: Array, step: float, inertia: float) -> 
         state[PITCH_RATES + index] += step / inertia * gain
 
 
-@njit(cache=True)
+@_kernel
 def solve_internal(
     forces: Array,
     damper_forces: Array,
@@ -266,7 +271,7 @@ def solve_internal(
     return False
 
 
-@njit(cache=True)
+@_kernel
 def fill_inputs(inputs: Array, start: Array, end: Array, bow: Array, part: int, count: int) -> None:
     """Write the contact forces of the ``part``-th of ``count`` equal parts of the interval.
 
@@ -282,7 +287,7 @@ def fill_inputs(inputs: Array, start: Array, end: Array, bow: Array, part: int, 
         inputs[2 * FORCE_COUNT + index] = bow[index] / (count * count)
 
 
-@njit(cache=True)
+@_kernel
 def advance_part(
     state: Array,
     inputs: Array,
@@ -317,7 +322,7 @@ def advance_part(
     return converged
 
 
-@njit(cache=True)
+@_entry
 def advance(
     vector: Array,
     start: Array,
