@@ -4,7 +4,6 @@ The parts are called one after the other: :func:`begin` once, then :func:`free`,
 :func:`close` for each internal step. As one function they would take twice as long to compile.
 """
 
-import math
 from typing import NamedTuple
 
 import numba
@@ -13,7 +12,6 @@ from numba.experimental import structref
 
 from slab_track.compiled import entry, kernel
 from slab_track.interaction import (
-    Wheels,
     add_lateral,
     answer,
     interact,
@@ -27,37 +25,26 @@ from slab_track.oscillators import copy
 from slab_track.state import (
     ANSWER,
     ANSWERS,
-    CREEP,
     DATUM,
     FASTENER_FORCE,
     LATERAL,
-    LOCATED_PATCHES,
     MOTION_BEFORE,
     MOTION_NOW,
-    NORMAL,
-    PATCH_FORCES,
     PLACES,
     POINT_TIME,
     PREVIOUS_TIME,
-    RAIL,
-    RAIL_A,
-    RAIL_FORCE,
-    RAIL_S,
     RATES_SEEN,
     ROW,
     TIME,
-    WHEELSET,
     WINDOW_START,
 )
 from slab_track.vertical import (
-    ClassFields,
     close_class_step,
     free_class_step,
     wheel_coupling,
 )
+from slab_track.views import class_fields, class_force, part, side_force, wheels_of
 from slab_track.wheel_shapes import wheel_shapes
-
-_SQRT_HALF = math.sqrt(0.5)
 
 GOOD, NOT_FINITE, SLIDE_DUE, NEAR_THE_END, NO_SOLUTION = range(5)
 """What becomes of a step."""
@@ -221,60 +208,6 @@ def pack(
 
 
 @kernel
-def _part(vector, starts, part):
-    """Return a part of a state's vector, flat."""
-    return vector[starts[part] : starts[part + 1]]
-
-
-@kernel
-def _wheels(new, starts, count):
-    """Return the :class:`slab_track.interaction.Wheels` of a state's vector."""
-    return Wheels(
-        _part(new, starts, RAIL_FORCE).reshape((count, 2, 3)),
-        _part(new, starts, NORMAL).reshape((count, 2, 2)),
-        _part(new, starts, CREEP).reshape((count, 2, 2)),
-        _part(new, starts, RAIL).reshape((count, 2, 6)),
-        _part(new, starts, WHEELSET).reshape((count, 6)),
-        _part(new, starts, LOCATED_PATCHES).reshape((count, 2, 2, 13)),
-        _part(new, starts, PATCH_FORCES).reshape((count, 2, 2, 9)),
-    )
-
-
-@kernel
-def _class_fields(old, new, starts, symmetry, fasteners):
-    """Return the :class:`slab_track.vertical.ClassFields` of two states' vectors."""
-    first = RAIL_S if symmetry == 0 else RAIL_A
-    begin = starts[FASTENER_FORCE] + symmetry * fasteners
-    return ClassFields(
-        _part(old, starts, first).reshape((3, -1)),
-        _part(old, starts, first + 1).reshape((3, -1)),
-        _part(old, starts, first + 2).reshape((2, fasteners)),
-        _part(new, starts, first).reshape((3, -1)),
-        _part(new, starts, first + 1).reshape((3, -1)),
-        _part(new, starts, first + 2).reshape((2, fasteners)),
-        new[begin : begin + fasteners],
-    )
-
-
-@kernel
-def _class_force(force, sign):
-    """Wheel forces (w,) of a symmetry class from those of the rails (w, 2, 3)."""
-    own = np.empty(force.shape[0])
-    for wheel in range(own.size):
-        own[wheel] = _SQRT_HALF * (force[wheel, 1, 1] + sign * force[wheel, 0, 1])
-    return own
-
-
-@kernel
-def _side_force(force, side):
-    """Lateral force and roll moment on one rail, (2, w), from the forces (w, 2, 3)."""
-    own = np.empty((2, force.shape[0]))
-    for wheel in range(force.shape[0]):
-        own[0, wheel], own[1, wheel] = force[wheel, side, 0], force[wheel, side, 2]
-    return own
-
-
-@kernel
 def _take_motion(op, old, new, motion, time):
     """Copy what the wheels remember, take in their motion; False if that is not finite.
 
@@ -289,9 +222,9 @@ def _take_motion(op, old, new, motion, time):
     return push(
         motion,
         is_new,
-        _part(new, starts, MOTION_NOW).reshape((count, 11)),
-        _part(new, starts, MOTION_BEFORE).reshape((count, 11)),
-        _part(new, starts, RATES_SEEN),
+        part(new, starts, MOTION_NOW).reshape((count, 11)),
+        part(new, starts, MOTION_BEFORE).reshape((count, 11)),
+        part(new, starts, RATES_SEEN),
     )
 
 
@@ -299,12 +232,12 @@ def _take_motion(op, old, new, motion, time):
 def _make_path(op, new, path):
     """Fill the motion at the end of each internal step, (steps, wheelsets, 11)."""
     starts, count = op.starts, path.shape[1]
-    now = _part(new, starts, MOTION_NOW).reshape((count, 11))
-    before = _part(new, starts, MOTION_BEFORE).reshape((count, 11))
+    now = part(new, starts, MOTION_NOW).reshape((count, 11))
+    before = part(new, starts, MOTION_BEFORE).reshape((count, 11))
     ahead, span = new[TIME] - new[POINT_TIME], new[POINT_TIME] - new[PREVIOUS_TIME]
     for n in range(path.shape[0]):
         tau = ahead + op.settings.step * (n + 1)
-        extrapolate(tau, span, now, before, _part(new, starts, RATES_SEEN), path[n])
+        extrapolate(tau, span, now, before, part(new, starts, RATES_SEEN), path[n])
 
 
 @kernel
@@ -348,12 +281,12 @@ def begin(op, old, new, motion, time, may_slide):
 
 
 @kernel
-def _place_wheels(op, new, part):
+def _place_wheels(op, new, turn):
     """Put the wheels where they are at the end of an internal step."""
     starts, scratch, limits = op.starts, op.scratch, op.limits
     count = scratch.x.size
-    row = _part(new, starts, ROW).reshape((count, 11))
-    copy(scratch.path[part].ravel(), row.ravel())
+    row = part(new, starts, ROW).reshape((count, 11))
+    copy(scratch.path[turn].ravel(), row.ravel())
     for wheel in range(count):
         scratch.x[wheel] = row[wheel, 0]
         scratch.places[wheel] = row[wheel, 0] - new[WINDOW_START]
@@ -364,22 +297,22 @@ def _place_wheels(op, new, part):
 
 
 @entry
-def free(op, old, new, part):
-    """Step rails and slabs without wheel forces, to the end of internal step ``part`` (0, 1, ...).
+def free(op, old, new, turn):
+    """Step rails and slabs without wheel forces, to the end of internal step ``turn`` (0, 1, ...).
 
     ``old`` and ``new`` as for :func:`begin`; ``old`` at the start of this internal step.
     """
     starts, settings, rail, scratch = op.starts, op.settings, op.rail, op.scratch
     step, shapes, places = settings.step, scratch.shapes, scratch.places
     new[TIME] = old[TIME] + step
-    _place_wheels(op, new, part)
+    _place_wheels(op, new, turn)
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
     wheel_shapes(rail.wave_number, places, shapes)
     coupling, free_s, free_a = op.coupling, op.free_s, op.free_a
     wheel_coupling(rail, places, coupling)
-    fields = _class_fields(old, new, starts, 0, fasteners)
+    fields = class_fields(old, new, starts, 0, fasteners)
     free_class_step(rail, op.symmetric, fields, coupling, shapes, step, free_s)
-    fields = _class_fields(old, new, starts, 1, fasteners)
+    fields = class_fields(old, new, starts, 1, fasteners)
     free_class_step(rail, op.antisymmetric, fields, coupling, shapes, step, free_a)
     put_together(free_s, free_a, op.at)
     begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
@@ -402,8 +335,8 @@ def touch(op, new, applied):
     ``applied`` (wheels, 2, 3) are those on the rails' axes for APPLIED.
     """
     count, starts = op.scratch.x.size, op.starts
-    row = _part(new, starts, ROW).reshape((count, 11))
-    wheels = _wheels(new, starts, count)
+    row = part(new, starts, ROW).reshape((count, 11))
+    wheels = wheels_of(new, starts, count)
     return interact(
         op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels
     )
@@ -415,21 +348,21 @@ def close(op, old, new, last):
     starts, settings, rail = op.starts, op.settings, op.rail
     step, shapes, coupling = settings.step, op.scratch.shapes, op.coupling
     count = shapes.shape[0]
-    wheels = _wheels(new, starts, count)
+    wheels = wheels_of(new, starts, count)
     force = wheels.rail_force
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
-    fields, own = _class_fields(old, new, starts, 0, fasteners), _class_force(force, 1.0)
+    fields, own = class_fields(old, new, starts, 0, fasteners), class_force(force, 1.0)
     close_class_step(rail, op.symmetric, fields, coupling, op.free_s, shapes, own, step)
-    fields, own = _class_fields(old, new, starts, 1, fasteners), _class_force(force, -1.0)
+    fields, own = class_fields(old, new, starts, 1, fasteners), class_force(force, -1.0)
     close_class_step(rail, op.antisymmetric, fields, coupling, op.free_a, shapes, own, step)
     begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
     if settings.moves_sideways:
         for side in range(2):
             first = begin + side * size
             close_rail(
-                op.lateral, rail.folding, op.scratch.taken[side], shapes, _side_force(force, side),
+                op.lateral, rail.folding, op.scratch.taken[side], shapes, side_force(force, side),
                 step, new[first : first + size].reshape((3, -1)),
             )  # fmt: skip
     if last:
         report_rails(op.at, wheels)
-        answer(wheels, settings.axis_depth, _part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))
+        answer(wheels, settings.axis_depth, part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))

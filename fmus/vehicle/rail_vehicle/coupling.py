@@ -92,7 +92,7 @@ class ForceHistory:
 # Results go into arrays made by the caller: returning one from numba costs more than all the rest.
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _shift(
     ages: Array,
     forces: Array,
@@ -112,7 +112,7 @@ def _shift(
                 )
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _differences(
     ages: Array, forces: Array, order: int, wheelset: int, column: int
 ) -> tuple[float, float]:
@@ -128,7 +128,7 @@ def _differences(
     return slope, (slope - earlier) / ages[2]
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _ahead(ages: Array, forces: Array, step: float, order: int, end: Array, bow: Array) -> None:
     reach = step + (ages[1] if ages.size > 1 else 0.0)
     for wheelset in range(4):
@@ -139,7 +139,7 @@ def _ahead(ages: Array, forces: Array, step: float, order: int, end: Array, bow:
             bow[wheelset, column] = step * step * curvature
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _behind(ages: Array, forces: Array, order: int, bow: Array) -> None:
     for wheelset in range(4):
         for column in range(6):

@@ -9,6 +9,7 @@ position of the car body, its speed.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -33,8 +34,10 @@ _MAX_ITERATIONS = 60
 
 # Numba wraps functions for calls from C and from Python, at half the time that it takes to compile
 # them: none for C, and none at all for kernels, which would crash if Python called them.
-_entry = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, no_cpython_wrapper=True)
+_ENTRY: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+_entry = njit(**_ENTRY)
+_KERNEL: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
+_kernel = njit(**_KERNEL)
 
 # Plain loops throughout: numba compiles each array expression into a function of its own.
 

@@ -253,7 +253,7 @@ def _damper_forces(rows: _Rows) -> Iterator[_Entry]:
         yield Output(f"{name}.force", "N", meaning), rows.column(first + index), 0.0
 
 
-@njit(cache=True, no_cfunc_wrapper=True)
+@njit(cache=True)
 def _add_sparse_rows(
     values: Array,
     columns: NDArray[np.int32],
