@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+TOOLS := $(VENV)/.tools
 
 # Small matrices: threads of the linear-algebra libraries only get in each other's way.
 export OMP_NUM_THREADS := 1
@@ -18,6 +19,10 @@ $(STAMP): pyproject.toml
 	  { echo "rail-cosim needs Python 3.11 or newer; name one: make PYTHON=python3.12 ..." >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+# Only the tests need these.
+$(TOOLS): $(STAMP)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
 	  echo "The tools of others could not be installed: tests/tools will be skipped." >&2
 	@touch $@
@@ -27,10 +32,10 @@ run: $(STAMP)
 	@mkdir -p results
 	$(BIN)/rail-cosim run --line HD --speed 300 --distance 100 --out results/run.nc --plot results/run.png
 
-test: $(STAMP)
+test: $(TOOLS)
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
-test-slow: $(STAMP)
+test-slow: $(TOOLS)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m slow
 
 lint: $(STAMP)
