@@ -78,29 +78,35 @@ def plot_joint(dataset: xr.Dataset, path: Path) -> None:
     figure.savefig(path, dpi=_DPI)
 
 
+_FIELDS = {"deflection": ("mm", 1e3, 0.5), "acceleration": ("m/s²", 1.0, 20.0)}
+"""Unit and its factor, and up to where the scale is linear if the field diverges, by field."""
+
+
 def plot_fields(dataset: xr.Dataset, path: Path, labels: Mapping[str, str]) -> None:
-    """Draw the rail's acceleration after a slide, a row for each way of solving eq. (10)."""
-    ways, settings = dataset["way"].to_numpy(), dataset["setting"].to_numpy()
-    figure = _figure(9.6, 1.9 * len(ways) + 0.6)
-    axes = figure.subplots(len(ways), len(settings), sharex=True, squeeze=False)
+    """Draw the rail's fields after a slide, a row for each way of solving eq. (10)."""
+    ways = dataset["way"].to_numpy()
+    columns = [(s, field) for s in dataset["setting"].to_numpy() for field in _FIELDS]
+    figure = _figure(4.4 * len(columns), 1.9 * len(ways) + 0.8)
+    axes = figure.subplots(len(ways), len(columns), sharex=True, squeeze=False)
     place = dataset["place"].to_numpy()
-    for column, setting in enumerate(settings):
-        target = dataset["target_acceleration"].sel(setting=setting).to_numpy()
+    for column, (setting, field) in enumerate(columns):
+        unit, factor, linear = _FIELDS[field]
+        target = factor * dataset[f"target_{field}"].sel(setting=setting).to_numpy()
         for row, way in enumerate(ways):
             axis = axes[row, column]
-            values = dataset["acceleration"].sel(setting=setting, way=way).to_numpy()
+            values = factor * dataset[field].sel(setting=setting, way=way).to_numpy()
             axis.plot(place, values, color=_RED, lw=1.0, label="after the slide")
             axis.plot(place, target, color=_BLUE, lw=0.8, label="before, moved")
             if bool(dataset["diverges"].sel(setting=setting, way=way)):
-                end = np.floor(np.log10(np.nanmax(np.abs(values), initial=1e2)))
-                axis.set_yscale("symlog", linthresh=20.0)
-                axis.set_yticks([-(10.0**end), 0.0, 10.0**end])
+                largest = np.nanmax(np.abs(values), initial=10.0 * linear)
+                end = 10.0 ** np.floor(np.log10(largest))
+                axis.set_yscale("symlog", linthresh=linear)
+                axis.set_yticks([-end, 0.0, end])
                 axis.minorticks_off()
             axis.set_title(f"{setting}: {labels[str(way)]}", loc="left", fontsize=9)
+            axis.set_ylabel(f"{field} ({unit})", fontsize=8)
             axis.grid(**_GRID)
         axes[-1, column].set_xlabel("place in the window (m)")
-    figure.supylabel(
-        "acceleration of the rail (m/s²); where it diverges, logarithmic beyond 20", fontsize=9
-    )
-    axes[0, 0].legend(frameon=False, fontsize=8, loc="lower left")
+    figure.suptitle("rail before and after a slide; logarithmic where it diverges", fontsize=9)
+    axes[0, 0].legend(frameon=False, fontsize=8, loc="center right")
     figure.savefig(path, dpi=_DPI)
