@@ -79,10 +79,8 @@ def test_amplitudes_below_500_hz(case):
 @pytest.mark.slow
 @pytest.mark.parametrize("case", [c for c in CASES if c["steady"] and not _quick(c)], ids=_name)
 def test_all_amplitudes_below_500_hz(case):
-    if case["pad_damping"] > 2e4:
-        _compare(case, 50.32, 0.01)
-    else:  # waves that hardly die out; the reference itself is less certain
-        _compare(case, 120.768, 0.015)
+    # On lightly damped pads the start takes longer to die out.
+    _compare(case, 50.32 if case["pad_damping"] > 2e4 else 120.768, 0.01)
 
 
 @pytest.mark.slow
