@@ -12,7 +12,7 @@ from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.summary import SETTLED_SHARE, distances, periods
 
 Array = NDArray[np.float64]
-_BAND_LIMIT = 500.0  # Hz
+BAND_LIMIT = 500.0  # Hz
 
 
 def _dominant_frequency(values: Array, step: float) -> Array:
@@ -22,10 +22,13 @@ def _dominant_frequency(values: Array, step: float) -> Array:
     return np.where(lines.max(axis=0) > 0.0, found, np.nan)
 
 
-def _below_500_hz(values: Array, step: float) -> Array:
-    """Half the peak to peak of the Fourier terms up to 500 Hz: what instrumented wheelsets give."""
+def half_range_below_limit(values: Array, step: float) -> Array:
+    """Half the peak to peak of the Fourier terms up to 500 Hz, as instrumented wheelsets give it.
+
+    ``values`` (time, ...) over one period of the motion, ``step`` s apart.
+    """
     lines = np.fft.rfft(values, axis=0)
-    lines[np.fft.rfftfreq(len(values), step) > _BAND_LIMIT] = 0.0
+    lines[np.fft.rfftfreq(len(values), step) > BAND_LIMIT] = 0.0
     return 0.5 * np.ptp(np.fft.irfft(lines, len(values), axis=0), axis=0)
 
 
@@ -45,7 +48,7 @@ STATISTICS: Mapping[str, tuple[Callable[[Array, float], Array], str, str]] = {
     "min": (lambda x, dt: x.min(axis=0), "", "smallest"),
     "mean": (lambda x, dt: x.mean(axis=0), "", "mean"),
     "half_range": (lambda x, dt: 0.5 * np.ptp(x, axis=0), "", "half the peak to peak of"),
-    "half_range_500_hz": (_below_500_hz, "", "half the peak to peak below 500 Hz of"),
+    "half_range_500_hz": (half_range_below_limit, "", "half the peak to peak below 500 Hz of"),
     "rms": (lambda x, dt: x.std(axis=0), "", "root mean square, without the mean, of"),
     "peak": (lambda x, dt: np.abs(x).max(axis=0), "", "largest magnitude of"),
     "lift_off_time": (lambda x, dt: (x <= 0.0).sum(axis=0) * dt, "s", "time without"),

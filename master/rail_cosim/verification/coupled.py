@@ -20,6 +20,7 @@ from rail_cosim.runner import Reporter, execute
 from rail_cosim.studies import StudyOptions, run_study
 from rail_cosim.studies.slide import BEHIND, LEVEL
 from rail_cosim.summary import periods, spectrum, summarise
+from rail_cosim.sweeps.quantities import BAND_LIMIT, half_range_below_limit
 from rail_cosim.verification.rows import Curve, Row, Values
 
 SECTION = "Coupled: FMUs through the master"
@@ -31,7 +32,6 @@ _SLABS = 10
 _SETTLED = 10 * 5.032  # m
 _OFFSET = 2.5  # m; half a slab pitch, so that two runs slide at different places
 _LONG, _SHORT = 100.0, 25.0  # m
-_HIGHEST = 500.0  # Hz
 _LOAD = 69.2108  # kN
 
 _FE = "independent finite-element model of the test suite (own mesh, own integrator, 4 wheelsets)"
@@ -167,9 +167,7 @@ def amplitudes(dataset: xr.Dataset, variable: str) -> NDArray[np.float64]:
     count = round(window / (time[1] - time[0]))
     # A slab length is no whole number of steps: the samples are put where they fit.
     instants = time[-1] - window + window / count * np.arange(count)
-    lines = np.fft.rfft(CubicSpline(time, signal)(instants), axis=0)
-    lines[np.fft.rfftfreq(count, window / count) > _HIGHEST] = 0.0
-    return 0.5 * np.ptp(np.fft.irfft(lines, count, axis=0), axis=0)
+    return half_range_below_limit(CubicSpline(time, signal)(instants), window / count)
 
 
 def _spectrum(case: Case, dataset: xr.Dataset) -> Curve:
@@ -177,7 +175,7 @@ def _spectrum(case: Case, dataset: xr.Dataset) -> Curve:
     late = time > 0.5 * time[-1]
     boxes = dataset[BOX].to_numpy()[late].reshape(int(late.sum()), -1)
     frequencies, lines = spectrum(time[late], boxes)
-    kept = frequencies <= _HIGHEST
+    kept = frequencies <= BAND_LIMIT
     return Curve(
         plot="Spectrum of the axle-box acceleration",
         label=case.label,
