@@ -1,0 +1,60 @@
+"""``rail-cosim build`` and ``rail-cosim check``: the FMUs themselves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rail_cosim.cli.application import app, plain_errors, say, show
+
+
+@app.command()
+def build(
+    out: Annotated[Path, typer.Option(help="Directory for the four files.")] = Path("."),
+    line: Annotated[
+        str, typer.Option(help="Parameter set of the track in the systems.", metavar="NAME")
+    ] = "HD",
+    vehicle: Annotated[
+        str, typer.Option(help="Parameter set of the vehicle in the systems.", metavar="NAME")
+    ] = "paper",
+    at_rest: Annotated[
+        bool,
+        typer.Option(
+            "--at-rest",
+            help="Find the static equilibrium too, and put it into the systems: for tools that "
+            "pass nothing on before the start.",
+        ),
+    ] = False,
+) -> None:
+    """Build HighSpeedVehicle.fmu, InfiniteSlabTrack.fmu, and the system of both for other tools.
+
+    VehicleOnSlabTrack.ssp has all in one; OspSystemStructure.xml is for libcosim.
+    """
+    from rail_cosim.builder import build as build_all
+
+    with plain_errors():
+        for path in build_all(out, line=line, vehicle=vehicle, at_rest=at_rest):
+            say(str(path))
+
+
+@app.command()
+def check(
+    fmu: Annotated[Path, typer.Argument(help="A vehicle or a track.", metavar="FMU")],
+) -> None:
+    """Say whether an FMU can be the vehicle or the track of a run.
+
+    Terminals wheelset[i] with units and causality, wheelset_count, what is optional
+    and absent, and the rules of FMI that tools rely on. Nothing is run. Exit status 0
+    if it satisfies the contract, 1 if not, 2 if it is no FMU.
+    """
+    from rail_cosim.check import check_fmu, check_table, verdict
+
+    with plain_errors():
+        report = check_fmu(fmu)
+    if report.contract or report.manners:
+        show(check_table(report))
+    say(verdict(report))
+    if not report.passed:
+        raise typer.Exit(1)
