@@ -31,6 +31,7 @@ _DIMENSION = {
     "lateral_damper": "bogie",
     "lateral_bump_stop": "bogie",
     "anti_roll_bar": "bogie",
+    "car_body_floor": "floor_place",
 }
 _INDEXED = re.compile(
     r"^(?P<group>\w+)\[(?P<index>\d+)\]\.(?:(?P<side>left|right)\.)?(?P<rest>.+)$"

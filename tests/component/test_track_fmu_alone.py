@@ -127,3 +127,49 @@ def test_applied_force_takes_free_rails_to_the_static_deflection(fmus, static_de
     assert deflection[-250:] == pytest.approx(static_deflection, rel=1e-3)
     half = stand(fmus, 500, force=(0.5 * LOAD, 0.5 * LOAD), **free)
     assert half == pytest.approx(0.5 * deflection[:501], abs=1e-9)
+
+
+def test_profiles_are_there_when_read(fmus):
+    """Point 25 is at the leading wheelset: 6 m ahead less 24 times 0.25 m."""
+    under = "wheelset[1].left.rail_vertical_displacement"
+    profile = [f"rail_profile.left.vertical_displacement[{k}]" for k in (25, 85, 1)]
+    slab = "slab_profile.right.vertical_displacement[25]"
+    result = fmus.call(
+        simulate,
+        fmus.track,
+        STEP,
+        50,
+        input=rolling_inputs(50),
+        output=[under, *profile, slab],
+        start_values={},
+    )
+    assert result[profile[0]] == pytest.approx(result[under], rel=2e-3)
+    assert np.ptp(result[profile[0]][1:]) > 1e-6  # it follows the steps
+    assert np.abs(result[profile[2]]).max() < 0.1 * result[under].max()  # 6 m ahead
+    assert (result[slab] > 1e-6).all()
+    assert (result[slab] < result[under]).all()
+
+
+def test_forces_on_the_rails_are_those_on_the_wheelsets_turned_round(fmus):
+    """Action and reaction: the wheelset receives minus the sum of both rails' forces."""
+    names = {
+        sum_: [f"wheelset[2].{side}.{one}" for side in ("left", "right")]
+        for sum_, one in (
+            ("wheelset[2].contact.lateral_force", "guiding_force"),
+            ("wheelset[2].contact.vertical_force", "vertical_wheel_force"),
+        )
+    }
+    output = [name for sum_, pair in names.items() for name in (sum_, *pair)]
+    result = fmus.call(
+        simulate,
+        fmus.track,
+        STEP,
+        50,
+        input=rolling_inputs(50),
+        output=output,
+        start_values={"wheelset[2].lateral_displacement": 8e-3},  # towards the flange
+    )
+    for sum_, pair in names.items():
+        total = result[pair[0]] + result[pair[1]]
+        np.testing.assert_allclose(total, -result[sum_], rtol=1e-9, atol=1e-3)
+        assert np.abs(result[sum_]).max() > 1e3

@@ -46,6 +46,10 @@ from rail_cosim.system import SystemStructure
             Place("secondary_suspension_vertical_deflection", ("bogie", "side"), (1, 1)),
         ),
         ("car_body.vertical_acceleration", Place("car_body_vertical_acceleration", (), ())),
+        (
+            "car_body_floor[3].lateral_acceleration",
+            Place("car_body_floor_lateral_acceleration", ("floor_place",), (2,)),
+        ),
         ("window.slide_count", Place("window_slide_count", (), ())),
         ("slab[7].vertical_displacement", Place("slab_vertical_displacement", ("slab",), (6,))),
     ],

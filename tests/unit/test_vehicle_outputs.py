@@ -131,6 +131,26 @@ def test_accelerations_agree_with_the_change_of_velocity(model):
             assert found == pytest.approx(change[index + offset], rel=1e-3, abs=1e-5)
 
 
+def test_floor_moves_with_the_car_body(model):
+    """A moment about one axis turns the body: each place of the floor by its own lever."""
+    start = model.initial_state()
+    rest = model.outputs(start, model.static_forces)
+    q = np.zeros(50)
+    q[[3, 4, 5]] = 2e-3, -1e-3, 3e-3  # roll, pitch, yaw of the car body strain the suspension
+    outputs = model.outputs(state_with(model, q, np.zeros(50)), model.static_forces)
+    dt = 1e-6
+    state = state_with(model, q, np.zeros(50))
+    later, _ = model.step(state, model.static_forces, model.static_forces, dt)
+    _, lateral, vertical, roll, pitch, yaw = (later.rates[:6] - state.rates[:6]) / dt
+    below = 1.71 - 1.25
+    for place, along in ((1, 8.9), (2, 0.0), (3, -8.9)):
+        found = outputs[f"car_body_floor[{place}].vertical_acceleration"]
+        assert found == pytest.approx(vertical - pitch * along, rel=1e-3)
+        found = outputs[f"car_body_floor[{place}].lateral_acceleration"]
+        assert found == pytest.approx(lateral + yaw * along - roll * below, rel=1e-3)
+        assert rest[f"car_body_floor[{place}].vertical_acceleration"] == pytest.approx(0, abs=1e-9)
+
+
 def test_state_that_does_not_fit_is_refused():
     with pytest.raises(ValueError, match="104 finite entries"):
         VehicleState.of_vector(np.zeros(7))

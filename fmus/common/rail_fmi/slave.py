@@ -21,8 +21,8 @@ class RailSlave(ValueSlave):
     Subclasses set :attr:`MODEL_NAME`, may set :attr:`PRESETS` and pythonfmu's
     ``description``, ``author``, ``version``, ``license``, ``copyright`` and
     ``default_experiment``, and write the hooks :meth:`declare`,
-    :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`save` and
-    :meth:`restore`. A hook may raise anything: the error is logged with its
+    :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`save`
+    and :meth:`restore`. A hook may raise anything: the error is logged with its
     text, held, and every step from then on is refused.
 
     Attributes
@@ -64,6 +64,9 @@ class RailSlave(ValueSlave):
     def step(self, time: float, step_size: float) -> None:
         """Go from ``time`` to ``time + step_size``: read inputs, write outputs."""
         raise NotImplementedError(f"{type(self).__name__} must define step")
+
+    def observe(self) -> None:
+        """Write the local reals; called when one is read, so unread ones cost nothing."""
 
     def save(self) -> dict[str, Any]:
         """Return the model's state beyond the variables: a flat dict of arrays and scalars."""
@@ -117,6 +120,10 @@ class RailSlave(ValueSlave):
         except BaseException as error:
             self._hold(error, setup=True)
         self._publish_status()
+
+    def _observe(self) -> None:
+        if self._built_from is not None:
+            self.observe()
 
     # Steps
 

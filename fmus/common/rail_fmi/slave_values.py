@@ -104,6 +104,9 @@ class ValueSlave(GuardedSlave):
         """Compute the values that follow from those the host has set."""
         self._stale = False
 
+    def _observe(self) -> None:
+        """Compute the local reals, one of which is about to be read."""
+
     def _check_finite(self, *causalities: Any) -> None:
         bad = self._store.not_finite(*causalities)
         if bad:
@@ -117,7 +120,10 @@ class ValueSlave(GuardedSlave):
                 self._enter()
             if self._stale:
                 self._refresh()
-            return self.reals[self._store.plan(vrs).index].tolist()
+            plan = self._store.plan(vrs)
+            if plan.observed:
+                self._observe()
+            return self.reals[plan.index].tolist()
         except BaseException as error:
             self._hold(error)
             return [math.nan] * len(vrs)

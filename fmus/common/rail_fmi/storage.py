@@ -19,7 +19,7 @@ class AccessPlan:
     are made once for each list.
     """
 
-    __slots__ = ("fixed", "index", "readonly", "references", "span")
+    __slots__ = ("fixed", "index", "observed", "readonly", "references", "span")
 
     def __init__(self, references: list[int], variables: Sequence[Variable]) -> None:
         chosen = [_variable(variables, reference) for reference in references]
@@ -28,6 +28,7 @@ class AccessPlan:
         self.span = self.index if isinstance(self.index, slice) else None
         self.readonly = next((v.name for v in chosen if not v.settable), "")
         self.fixed = next((v.name for v in chosen if v.variability == "fixed"), "")
+        self.observed = any(v.causality == "local" for v in chosen)
 
 
 def _variable(variables: Sequence[Variable], reference: int) -> Variable:

@@ -13,6 +13,7 @@ from slab_track.model import TrackModel, TrackOutputs
 from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
+from slab_track.profile import TrackProfile
 
 LEVEL_CONTACT = (
     "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
@@ -41,6 +42,7 @@ class TrackSlave(RailSlave):
             *parameter_variables(TrackParameters()),
             *_settings(),
             *_outputs(),
+            *_profiles(),
         ]
 
     def initialize(self) -> None:
@@ -49,7 +51,7 @@ class TrackSlave(RailSlave):
         values = {name: value for name, value in self.parameters().items() if name in known}
         parameters = with_values(TrackParameters(), values)
         if getattr(self, "_model", None) is None or self._model.parameters != parameters:
-            self._model = TrackModel(parameters)
+            self._model, self._profile = TrackModel(parameters), None
             self._find_places(parameters.wheelset_count)
         self._at_end = self.values[names.INPUT_TIME] == "step_end"
         try:
@@ -57,6 +59,7 @@ class TrackSlave(RailSlave):
         except TrackError as error:
             raise StepError(str(error)) from error
         self.reals[self._heights] = self._state.static_heights
+        self._observed = None
         self._publish()
 
     def start(self) -> None:
@@ -79,8 +82,12 @@ class TrackSlave(RailSlave):
         self._contact = self.slice_of(*names.contact_names(count))
         of_wheels = [self.indices(names.wheel_names(name, count)) for name in names.WHEEL]
         self._wheels = np.array(of_wheels).reshape(len(of_wheels), count, 2)
+        self._on_rail = self.slice_of(*names.on_rail_names(count))
         self._heights = self.slice_of(
             *(f"wheelset[{i}].static_vertical_displacement" for i in range(1, count + 1))
+        )
+        self._profiles = self.slice_of(
+            *(name for group in names.PROFILES for name in names.profile_names(group))
         )
         self._window = self.indices(["window.start_position", "window.slide_residual"])
 
@@ -118,8 +125,21 @@ class TrackSlave(RailSlave):
             outputs = self._model.outputs(state)
         self.reals[self._contact] = outputs.contact.ravel()
         self.reals[self._wheels] = outputs.answers
+        self.reals[self._on_rail] = state.rail_force[:, :, :2].ravel()
         self.reals[self._window] = state.window_start, state.slide_residual
         self.values["window.slide_count"] = state.slide_count
+
+    def observe(self) -> None:
+        """Write the profiles of rails and slabs."""
+        if self._observed is self._state:
+            return
+        if self._profile is None:
+            self._profile = TrackProfile(self._model.parameters, self._model.linear)
+        first, spacing = self.values[names.FIRST_OFFSET], self.values[names.SPACING]
+        offsets = first - spacing * np.arange(names.PROFILE_POINTS)
+        shapes = [of(self._state, offsets) for of in (self._profile.rails, self._profile.slabs)]
+        self.reals[self._profiles] = np.ravel(shapes)
+        self._observed = self._state
 
     def save(self) -> dict[str, Any]:
         """Return the state of the track."""
@@ -166,7 +186,38 @@ def _settings() -> list[Variable]:
             causality="parameter",
             choices=("step_start", "step_end"),
             description="Instant of the communication step that the inputs stand for",
+        ),
+        Variable(
+            names.FIRST_OFFSET,
+            causality="parameter",
+            unit="m",
+            start=6.0,
+            description="First point of the profiles of rails and slabs, ahead of the leading "
+            "wheelset; for pictures",
+        ),
+        Variable(
+            names.SPACING,
+            causality="parameter",
+            unit="m",
+            start=0.25,
+            minimum=0.001,
+            description="Distance from point to point of the profiles, backwards",
+        ),
+    ]
+
+
+def _profiles() -> list[Variable]:
+    """Return the shapes of rails and slabs along the vehicle; computed when read."""
+    return [
+        Variable(
+            name,
+            causality="local",
+            unit="m",
+            description=f"{meaning.format(side=name.split('.')[1]).capitalize()}; at the first "
+            "offset less the number of the point less one times the spacing",
         )
+        for group, meaning in names.PROFILES.items()
+        for name in names.profile_names(group)
     ]
 
 
@@ -189,6 +240,14 @@ def _outputs() -> list[Variable]:
         for name, (unit, description) in names.WHEEL.items()
         for i in names.NUMBERS
         for side in names.SIDES
+    ]
+    on_rail = [
+        Variable(
+            f"wheelset[{i}].{side}.{name}", causality="output", unit=unit, description=description
+        )
+        for i in names.NUMBERS
+        for side in names.SIDES
+        for name, (unit, description) in names.ON_RAIL.items()
     ]
     heights = [
         Variable(
@@ -220,4 +279,4 @@ def _outputs() -> list[Variable]:
             description="Largest change of the rails' deflection by the last slide",
         ),
     ]
-    return contact + wheels + heights + window
+    return contact + wheels + on_rail + heights + window

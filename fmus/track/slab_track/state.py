@@ -247,6 +247,16 @@ class TrackState:
         return int(self.vector[SLIDE_COUNT])
 
     @property
+    def rail_force(self) -> np.ndarray:
+        """Force of the wheels on the rails' axes: lateral, vertical, roll moment, (w, 2, 3)."""
+        return self.layout.view(self.vector, RAIL_FORCE)
+
+    @property
+    def wheel_positions(self) -> np.ndarray:
+        """Positions of the wheelsets on the line at :attr:`time`, (wheelsets,), m."""
+        return self.layout.view(self.vector, ROW)[:, 0]
+
+    @property
     def normal_force(self) -> np.ndarray:
         """Normal force of each wheel, (wheelsets, 2), N, left first."""
         return self.layout.view(self.vector, PATCH_FORCES)[..., NORMAL_FORCE].sum(axis=2)
@@ -284,4 +294,5 @@ def begin_motion(state: TrackState, time: float, motion: np.ndarray) -> None:
     vector, view = state.vector, state.layout.view
     vector[[TIME, POINT_TIME]], vector[PREVIOUS_TIME] = time, np.nan
     view(vector, MOTION_NOW)[:] = view(vector, MOTION_BEFORE)[:] = motion
+    view(vector, ROW)[:, 0] = motion[:, 0]
     view(vector, RATES_SEEN)[:] = np.any(motion[:, VELOCITY_COLUMNS] != 0.0, axis=0)

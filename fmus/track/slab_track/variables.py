@@ -33,6 +33,26 @@ WHEEL = {
     "rail_lateral_displacement": ("m", "Rail under the wheel, to the right"),
     "rail_roll_angle": ("rad", "Rotation of the rail under the wheel"),
 }
+ON_RAIL = {
+    "guiding_force": ("N", "Lateral force of the wheel on the rail, Y, to the right"),
+    "vertical_wheel_force": ("N", "Vertical force of the wheel on the rail, Q, downwards"),
+}
+PROFILES = {
+    "rail_profile": "{side} rail, vertical displacement from the unloaded track, downwards",
+    "slab_profile": "slab under the {side} rail, vertical displacement, downwards",
+}
+PROFILE_POINTS = 121
+FIRST_OFFSET, SPACING = "rail_profile.first_offset", "rail_profile.spacing"
+"""Place of the first point ahead of the leading wheelset, and distance from point to point, m."""
+
+
+def profile_names(group: str) -> list[str]:
+    """Names of a profile's points, left first."""
+    return [
+        f"{group}.{side}.vertical_displacement[{k}]"
+        for side in SIDES
+        for k in range(1, PROFILE_POINTS + 1)
+    ]
 
 
 def motion_names(count: int) -> list[str]:
@@ -48,6 +68,16 @@ def contact_names(count: int) -> list[str]:
 def wheel_names(name: str, count: int) -> list[str]:
     """Names of one output of all wheels, left first."""
     return [f"wheelset[{i}].{side}.{name}" for i in range(1, count + 1) for side in SIDES]
+
+
+def on_rail_names(count: int) -> list[str]:
+    """Names of the forces of all wheels on the rails, wheel by wheel, left first."""
+    return [
+        f"wheelset[{i}].{side}.{name}"
+        for i in range(1, count + 1)
+        for side in SIDES
+        for name in ON_RAIL
+    ]
 
 
 def rail_head_names(name: str, count: int) -> list[str]:

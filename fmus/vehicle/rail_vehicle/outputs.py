@@ -162,6 +162,7 @@ def _entries(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> Iter
     yield Output("car_body.longitudinal_velocity", "m/s", "Running speed"), rows.column(SPEED), 0.0
     yield from _pose(car, rows, first=Y)
     yield from _accelerations(car, rows)
+    yield from _floor(parameters, car, rows)
     yield from _deflections(parameters, bodies, rows)
     yield from _damper_forces(rows)
 
@@ -187,6 +188,17 @@ def _accelerations(body: Body, rows: _Rows) -> Iterator[_Entry]:
     for direction, name, unit, description in _ACCELERATIONS:
         row = body.motion[direction] @ rows.accelerations
         yield Output(f"{body.name}.{name}", unit, description), row, 0.0
+
+
+def _floor(parameters: VehicleParameters, car: Body, rows: _Rows) -> Iterator[_Entry]:
+    """Accelerations of the floor over both bogies and half way, where EN 12299 measures."""
+    half, height = parameters.car_body.half_bogie_spacing, parameters.car_body.floor_height
+    where = "floor over the leading bogie (1), half way (2), over the trailing bogie (3)"
+    for index, along in enumerate((half, 0.0, -half), start=1):
+        motion = car.point_displacement(np.array([along, 0.0, -height]))
+        for direction, name, unit, description in _ACCELERATIONS:
+            output = Output(f"car_body_floor[{index}].{name}", unit, f"{description}; {where}")
+            yield output, motion[direction] @ rows.accelerations, 0.0
 
 
 def _axle_boxes(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> Iterator[_Entry]:

@@ -65,6 +65,12 @@ class CarBody(ParameterSet):
     centre_of_gravity_height: float = _field(
         1.71, "m", "Height of the centre of gravity above the rail", symbol="h_c", source="CRH6"
     )
+    floor_height: float = _field(
+        1.25,
+        "m",
+        "Height of the floor above the rail, for the outputs there",
+        source=f"{_ASSUMED}: level with platforms of 1.25 m",
+    )
     half_bogie_spacing: float = _field(
         8.9, "m", "Half the distance between the bogie centres", symbol="L_c", source=_TABLE_2
     )
