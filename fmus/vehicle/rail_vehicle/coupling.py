@@ -54,12 +54,10 @@ class ForceHistory:
         With ``elapsed`` 0 the newest value is replaced: at a communication
         point only the last value counts.
         """
-        skipped = 0 if elapsed > 0.0 else 1
-        count = min(3, self.ages.size + 1 - skipped)
-        added = type(self)(np.empty(count), np.empty((count, 4, 6)))
-        newest = np.ascontiguousarray(forces, dtype=float)
-        _shift(self.ages, self.forces, newest, elapsed, skipped, added.ages, added.forces)
-        return added
+        memory = ForceMemory(self)
+        memory.append(np.ascontiguousarray(forces, dtype=float).reshape(24), elapsed)
+        made = memory.history
+        return type(self)(made.ages, made.forces)
 
     def extrapolate(self, step: float, order: int) -> ForcePolynomial:
         """Return the forces over a step of ``step`` seconds from the newest value on.
@@ -67,9 +65,7 @@ class ForceHistory:
         ``order`` 0 holds the value, 1 goes on along the last line, 2 along the
         last parabola; early in a run as many values are used as there are.
         """
-        end, bow = np.empty((4, 6)), np.empty((4, 6))
-        _ahead(self.ages, self.forces, step, order, end, bow)
-        return ForcePolynomial(self.forces[0], end, bow)
+        return _polynomial(ForceMemory(self).over_step(step, order, at_end=False))
 
     def interpolate(self, order: int) -> ForcePolynomial:
         """Return the forces over the step that began at the value before and ends at the newest.
@@ -84,64 +80,90 @@ class ForceHistory:
         """
         if self.ages.size < 2:
             raise ValueError("interpolation needs the values at both ends of the step")
-        bow = np.empty((4, 6))
-        _behind(self.ages, self.forces, order, bow)
-        return ForcePolynomial(self.forces[1 if order else 0], self.forces[0], bow)
+        return _polynomial(ForceMemory(self).over_step(float(self.ages[1]), order, at_end=True))
 
 
-# Results go into arrays made by the caller: returning one from numba costs more than all the rest.
+def _polynomial(rows: Array) -> ForcePolynomial:
+    start, end, bow = rows.reshape(3, 4, 6)
+    return ForcePolynomial(start, end, bow)
 
 
-@njit(cache=True)
-def _shift(
-    ages: Array,
-    forces: Array,
-    newest: Array,
-    elapsed: float,
-    skipped: int,
-    new_ages: Array,
-    new_forces: Array,
-) -> None:
-    for index in range(new_ages.size):
-        source = index + skipped - 1
-        new_ages[index] = ages[source] + elapsed if index > 0 else 0.0
-        for wheelset in range(4):
-            for column in range(6):
-                new_forces[index, wheelset, column] = (
-                    forces[source, wheelset, column] if index > 0 else newest[wheelset, column]
-                )
+class ForceMemory:
+    """A :class:`ForceHistory` that is written over: for the step, which makes no arrays.
+
+    Parameters
+    ----------
+    history
+        What it starts with.
+    """
+
+    def __init__(self, history: ForceHistory) -> None:
+        self._memory = np.zeros(_MEMORY)
+        count = history.ages.size
+        self._memory[0] = count
+        self._memory[_AGES : _AGES + count] = history.ages
+        self._memory[_FORCES : _FORCES + 24 * count] = history.forces.ravel()
+        self._curve = np.zeros((3, 24))
+
+    @property
+    def history(self) -> ForceHistory:
+        """A copy of what it holds."""
+        count = int(self._memory[0])
+        values = self._memory[_FORCES : _FORCES + 24 * count]
+        return ForceHistory(
+            self._memory[_AGES : _AGES + count].copy(), values.copy().reshape(count, 4, 6)
+        )
+
+    def append(self, forces: Array, elapsed: float) -> None:
+        """Take in a value (24,) ``elapsed`` seconds after the newest."""
+        _append(self._memory, forces, elapsed)
+
+    def over_step(self, step: float, order: int, *, at_end: bool) -> Array:
+        """Return start, end and bow of the forces over a step, shape (3, 24).
+
+        The newest value is that of the step's end or of its start. The array is
+        written over by the next call.
+        """
+        _over_step(self._memory, step, order, at_end, self._curve)
+        return self._curve
 
 
-@njit(cache=True)
-def _differences(
-    ages: Array, forces: Array, order: int, wheelset: int, column: int
-) -> tuple[float, float]:
-    """First and second divided differences at the newest value, zero beyond ``order``."""
-    count = min(order + 1, ages.size)
-    if count < 2:
-        return 0.0, 0.0
-    newest, before = forces[0, wheelset, column], forces[1, wheelset, column]
-    slope = (newest - before) / ages[1]
-    if count < 3:
-        return slope, 0.0
-    earlier = (before - forces[2, wheelset, column]) / (ages[2] - ages[1])
-    return slope, (slope - earlier) / ages[2]
+# The memory as one vector: how many values it holds, their ages, the values.
+_AGES, _FORCES, _MEMORY = 1, 4, 4 + 3 * 24
 
 
-@njit(cache=True)
-def _ahead(ages: Array, forces: Array, step: float, order: int, end: Array, bow: Array) -> None:
-    reach = step + (ages[1] if ages.size > 1 else 0.0)
-    for wheelset in range(4):
-        for column in range(6):
-            slope, curvature = _differences(ages, forces, order, wheelset, column)
-            gain = step * (slope + reach * curvature)
-            end[wheelset, column] = forces[0, wheelset, column] + gain
-            bow[wheelset, column] = step * step * curvature
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+def _append(memory: Array, newest: Array, elapsed: float) -> None:
+    if elapsed > 0.0:
+        memory[0] = min(3.0, memory[0] + 1.0)
+        for value in range(2, 0, -1):
+            memory[_AGES + value] = memory[_AGES + value - 1] + elapsed
+            for column in range(24):
+                place = _FORCES + 24 * value + column
+                memory[place] = memory[place - 24]
+    memory[_AGES] = 0.0
+    for column in range(24):
+        memory[_FORCES + column] = newest[column]
 
 
-@njit(cache=True)
-def _behind(ages: Array, forces: Array, order: int, bow: Array) -> None:
-    for wheelset in range(4):
-        for column in range(6):
-            _, curvature = _differences(ages, forces, order, wheelset, column)
-            bow[wheelset, column] = ages[1] ** 2 * curvature
+@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+def _over_step(memory: Array, step: float, order: int, at_end: bool, curve: Array) -> None:
+    """Write the polynomial through the newest values (Newton's divided differences)."""
+    count = min(order + 1, int(memory[0]))
+    before, earlier = memory[_AGES + 1], memory[_AGES + 2]
+    for column in range(24):
+        newest = memory[_FORCES + column]
+        slope, curvature = 0.0, 0.0
+        if count > 1:
+            slope = (newest - memory[_FORCES + 24 + column]) / before
+        if count > 2:
+            other = memory[_FORCES + 24 + column] - memory[_FORCES + 48 + column]
+            curvature = (slope - other / (earlier - before)) / earlier
+        if at_end:
+            curve[0, column] = memory[_FORCES + 24 + column] if count > 1 else newest
+            curve[1, column] = newest
+        else:
+            reach = step + (before if memory[0] > 1.0 else 0.0)
+            curve[0, column] = newest
+            curve[1, column] = newest + step * (slope + reach * curvature)
+        curve[2, column] = step * step * curvature

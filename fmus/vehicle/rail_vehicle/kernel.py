@@ -199,6 +199,23 @@ def less_static(forces: Array, static: float) -> Array:
 
 
 @_entry
+def write_outputs(
+    offsets: Array,
+    values: Array,
+    columns: NDArray[np.int32],
+    row_starts: NDArray[np.int32],
+    result: Array,
+    outputs: Array,
+) -> None:
+    """Write ``offsets + rows @ result``, the rows stored sparsely."""
+    for row in range(outputs.size):
+        total = offsets[row]
+        for place in range(row_starts[row], row_starts[row + 1]):
+            total += values[place] * result[columns[place]]
+        outputs[row] = total
+
+
+@_entry
 def evaluate(
     vector: Array,
     forces: Array,
@@ -328,9 +345,7 @@ def advance_part(
 @_entry
 def advance(
     vector: Array,
-    start: Array,
-    end: Array,
-    bow: Array,
+    forces: Array,
     acceleration: float,
     step: float,
     count: int,
@@ -347,10 +362,10 @@ def advance(
     Parameters
     ----------
     vector
-        State at the start, shape (104,); not changed.
-    start, end, bow
-        Contact forces, shape (24,), as ``start + (end - start) s + bow s (s - 1)``
-        over the whole interval.
+        State at the start, shape (104 or more,); not changed.
+    forces
+        Contact forces over the whole interval, rows start, end and bow, shape (3, 24):
+        ``start + (end - start) s + bow s (s - 1)``.
     acceleration
         Of the car body over the interval, m/s2.
     known, internal, signals, feedback
@@ -368,18 +383,18 @@ def advance(
     bool
         Whether the internal forces were found in every step and all is finite.
     """
-    state = vector.copy()
-    evaluate(state, end, acceleration, signals, constants, law, result)
+    state = vector[:VECTOR_COUNT].copy()
+    evaluate(state, forces[1], acceleration, signals, constants, law, result)
     inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
     inputs[3 * FORCE_COUNT] = acceleration
     copy_into(inputs, 3 * FORCE_COUNT + 1, result[VECTOR_COUNT + FORCE_COUNT + 1 :])
-    first = less_static(start, constants[2])
-    last = less_static(end, constants[2])
+    first = less_static(forces[0], constants[2])
+    last = less_static(forces[1], constants[2])
     now = np.zeros(SIGNAL_COUNT)
     add_columns(signals, 0, state[:STATE_COUNT], now)
     good = True
     for part in range(count):
-        fill_inputs(inputs, first, last, bow, part, count)
+        fill_inputs(inputs, first, last, forces[2], part, count)
         good &= advance_part(
             state, inputs, now, step, known, internal, signals, feedback, constants, law
         )

@@ -46,8 +46,6 @@ _STOP_STROKE = 0.05
 """Compression in m up to which the stops' slope is kept well within the iteration's reach."""
 
 
-_NO_BOW = np.zeros(24)
-
 
 def _flat(forces: Array) -> Array:
     """Return contact forces (4, 6) as the kernel takes them, shape (24,)."""
@@ -270,37 +268,66 @@ class VehicleModel:
         StepError
             If the step is not positive, or the state is no longer finite.
         """
-        if not (dt > 0.0 and math.isfinite(dt)):
+        forces = np.zeros((3, 24))
+        forces[0], forces[1] = _flat(force_start), _flat(force_end)
+        if force_bow is not None:
+            forces[2] = _flat(force_bow)
+        result, outputs = np.empty(RESULT_COUNT), np.empty(len(self.output_table))
+        self.step_into(state.vector, forces, dt, speed_setpoint, result, outputs)
+        return VehicleState(result[:VECTOR_COUNT]), VehicleOutputs(outputs, self._index)
+
+    def step_into(
+        self,
+        vector: Array,
+        forces: Array,
+        dt: float,
+        speed_setpoint: float | None,
+        result: Array,
+        outputs: Array,
+    ) -> None:
+        """Advance by ``dt`` seconds as :meth:`step` does, into arrays of the caller.
+
+        Parameters
+        ----------
+        vector
+            State at the start, shape (104 or more,); what follows it is not read.
+        forces
+            Contact forces at start and end and their quadratic part, shape (3, 24).
+        dt, speed_setpoint
+            As for :meth:`step`.
+        result
+            Written: the state at the end, then what the outputs are made of, shape (145,);
+            not the memory of ``vector``.
+        outputs
+            Written: all outputs, in the order of ``output_table``.
+
+        Raises
+        ------
+        StepError
+            As :meth:`step`; ``vector`` and ``outputs`` are then unchanged.
+        """
+        if not 0.0 < dt < math.inf:
             raise StepError(f"step size {dt!r} s: must be positive and finite")
-        acceleration = self._acceleration(state.speed, speed_setpoint, dt)
+        acceleration = self._acceleration(float(vector[SPEED]), speed_setpoint, dt)
         count = max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
-        operators = self._operators[dt / count]
-        result = np.empty(RESULT_COUNT)
         good = advance(
-            state.vector,
-            _flat(force_start),
-            _flat(force_end),
-            _NO_BOW if force_bow is None else _flat(force_bow),
+            vector,
+            forces,
             acceleration,
             dt / count,
             count,
-            operators.known,
-            operators.internal,
-            operators.signals,
-            operators.feedback,
+            *self._operators[dt / count],
             self._constants,
             self._law,
             result,
         )
         if not good:
             raise StepError(
-                f"the vehicle's motion could not be found at position {state.position:.3f} m: "
+                f"the vehicle's motion could not be found at position {vector[POSITION]:.3f} m: "
                 "the contact forces are not finite or drive the suspensions beyond all bounds; "
                 "try a smaller communication step"
             )
-        return VehicleState(result[:VECTOR_COUNT]), VehicleOutputs(
-            self._outputs(result), self._index
-        )
+        self._outputs.write(result, outputs)
 
     def _acceleration(self, speed: float, setpoint: float | None, dt: float) -> float:
         if setpoint is None:

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -35,6 +34,7 @@ from rail_vehicle.kernel import (
     RESULT_COUNT,
     SPEED,
     VECTOR_COUNT,
+    write_outputs,
 )
 from rail_vehicle.linear_system import FORCE_COUNT, FREE_COUNT, STATE_COUNT, FirstOrderSystem
 from rail_vehicle.multibody import Array, Body, Element
@@ -118,10 +118,14 @@ class OutputMap:
     columns: NDArray[np.int32]
     row_starts: NDArray[np.int32]
 
+    def write(self, result: Array, outputs: Array) -> None:
+        """Write the outputs' values, shape (number of outputs,)."""
+        write_outputs(self.offsets, self.values, self.columns, self.row_starts, result, outputs)
+
     def __call__(self, result: Array) -> Array:
         """Return the outputs' values, shape (number of outputs,)."""
-        outputs = self.offsets.copy()
-        _add_sparse_rows(self.values, self.columns, self.row_starts, result, outputs)
+        outputs = np.empty_like(self.offsets)
+        self.write(result, outputs)
         return outputs
 
 
@@ -264,17 +268,3 @@ def _damper_forces(rows: _Rows) -> Iterator[_Entry]:
         meaning = f"Force on the car body, positive {direction}"
         yield Output(f"{name}.force", "N", meaning), rows.column(first + index), 0.0
 
-
-@njit(cache=True)
-def _add_sparse_rows(
-    values: Array,
-    columns: NDArray[np.int32],
-    row_starts: NDArray[np.int32],
-    vector: Array,
-    result: Array,
-) -> None:
-    for row in range(result.size):
-        total = 0.0
-        for place in range(row_starts[row], row_starts[row + 1]):
-            total += values[place] * vector[columns[place]]
-        result[row] += total

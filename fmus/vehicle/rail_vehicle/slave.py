@@ -8,7 +8,8 @@ from rail_fmi import RailSlave, StepError, Variable, parameter_variables
 from rail_quantities import ParameterSet, flatten, with_values
 
 from rail_vehicle import errors
-from rail_vehicle.coupling import INPUT_TIMES, ForceHistory
+from rail_vehicle.coupling import INPUT_TIMES, ForceHistory, ForceMemory
+from rail_vehicle.kernel import RESULT_COUNT, VECTOR_COUNT
 from rail_vehicle.model import VehicleModel, VehicleState
 from rail_vehicle.parameters import VehicleParameters
 from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
@@ -90,15 +91,24 @@ class VehicleSlave(RailSlave):
         self._follow_parameters(parameters)
         self.values["static_wheel_load"] = parameters.static_wheel_load
         heights = self.reals[self.indices(_HEIGHTS)]
-        self._state = self._model.initial_state(heights)
-        forces = self.reals[self._inputs].reshape(4, 6)
-        self._history = ForceHistory.begin(forces)
+        state = self._model.initial_state(heights)
+        forces = self._forces.reshape(4, 6)
+        self._outputs[:] = self._model.outputs(state, forces).vector
+        self._begin(state, ForceHistory.begin(forces))
         self._last_step = 0.0
-        self.reals[self._outputs] = self._model.outputs(self._state, forces).vector
+
+    def _begin(self, state: VehicleState, history: ForceHistory) -> None:
+        """Take a state; what steps write goes to arrays that are made here, in turn."""
+        self._vector = np.zeros(RESULT_COUNT)
+        self._vector[:VECTOR_COUNT] = state.vector
+        self._next = np.zeros(RESULT_COUNT)
+        self._memory = ForceMemory(history)
 
     def _find_places(self) -> None:
-        self._inputs = self.slice_of(*_FORCES)
-        self._outputs = self.slice_of(*(output.name for output in self._model.output_table))
+        self._forces = self.reals[self.slice_of(*_FORCES)]
+        self._outputs = self.reals[
+            self.slice_of(*(output.name for output in self._model.output_table))
+        ]
         self._setpoint = int(self.indices(["speed_setpoint"])[0])
 
     def _follow_parameters(self, parameters: VehicleParameters) -> None:
@@ -119,26 +129,16 @@ class VehicleSlave(RailSlave):
 
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
-        forces = self.reals[self._inputs].reshape(4, 6)
-        if self._at_end:
-            self._history = self._history.append(forces, step_size)
-            polynomial = self._history.interpolate(self._order)
-        else:
-            self._history = self._history.append(forces, self._last_step)
-            polynomial = self._history.extrapolate(step_size, self._order)
+        self._memory.append(self._forces, step_size if self._at_end else self._last_step)
+        forces = self._memory.over_step(step_size, self._order, at_end=self._at_end)
         try:
-            self._state, outputs = self._model.step(
-                self._state,
-                polynomial.start,
-                polynomial.end,
-                step_size,
-                self._wanted_speed(),
-                polynomial.bow,
+            self._model.step_into(
+                self._vector, forces, step_size, self._wanted_speed(), self._next, self._outputs
             )
         except errors.StepError as error:
             raise StepError(str(error)) from error
+        self._vector, self._next = self._next, self._vector
         self._last_step = step_size
-        self.reals[self._outputs] = outputs.vector
 
     def _wanted_speed(self) -> float:
         """Return the setpoint, or the parameter while the input has only its start value."""
@@ -152,18 +152,20 @@ class VehicleSlave(RailSlave):
 
     def save(self) -> dict[str, Any]:
         """Return the state of the model and the forces it remembers."""
+        history = self._memory.history
         return {
-            "vector": self._state.vector,
-            "ages": self._history.ages,
-            "forces": self._history.forces,
+            "vector": self._vector[:VECTOR_COUNT],
+            "ages": history.ages,
+            "forces": history.forces,
             "last_step": self._last_step,
             "speed_is_set": self._speed_is_set,
         }
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
-        self._state = VehicleState.of_vector(state["vector"])
-        self._history = ForceHistory(state["ages"], state["forces"])
+        self._begin(
+            VehicleState.of_vector(state["vector"]), ForceHistory(state["ages"], state["forces"])
+        )
         self._last_step = float(state["last_step"])
         self._speed_is_set = bool(state["speed_is_set"])
 
