@@ -3,7 +3,6 @@
 import math
 import threading
 import weakref
-from array import array
 from collections.abc import MutableMapping, Sequence
 from typing import Any
 
@@ -136,10 +135,10 @@ class ValueSlave(GuardedSlave):
             plan = self._store.plan(vrs)
             if plan.readonly or (plan.fixed and self._mode == Mode.RUNNING):
                 raise self._refused(plan.readonly, plan.fixed)
-            if plan.span is None:
+            if plan.pack is None:
                 self.reals[plan.index] = values
-            else:  # Several times as fast from a list as numpy is.
-                self._buffer[plan.span] = array("d", values)
+            else:
+                plan.pack(self._buffer, plan.place, *values)
             if not math.isfinite(sum(values)):
                 self._suspect = True
             self._stale = self._mode == Mode.INITIALIZING

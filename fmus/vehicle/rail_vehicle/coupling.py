@@ -11,8 +11,9 @@ import dataclasses
 from typing import NamedTuple, Self
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from rail_vehicle.compiled import entry
 
 Array = NDArray[np.float64]
 
@@ -132,7 +133,7 @@ class ForceMemory:
 _AGES, _FORCES, _MEMORY = 1, 4, 4 + 3 * 24
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@entry
 def _append(memory: Array, newest: Array, elapsed: float) -> None:
     if elapsed > 0.0:
         memory[0] = min(3.0, memory[0] + 1.0)
@@ -146,7 +147,7 @@ def _append(memory: Array, newest: Array, elapsed: float) -> None:
         memory[_FORCES + column] = newest[column]
 
 
-@njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+@entry
 def _over_step(memory: Array, step: float, order: int, at_end: bool, curve: Array) -> None:
     """Write the polynomial through the newest values (Newton's divided differences)."""
     count = min(order + 1, int(memory[0]))

@@ -9,12 +9,11 @@ position of the car body, its speed.
 """
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from rail_vehicle.compiled import entry, kernel
 from rail_vehicle.linear_system import FORCE_COUNT, INTERNAL_COUNT, SIGNAL_COUNT, STATE_COUNT
 
 Array = NDArray[np.float64]
@@ -32,35 +31,35 @@ RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
 _MAX_ITERATIONS = 60
 
 
-# Numba wraps functions for calls from C and from Python, at half the time that it takes to compile
-# them: none for C, and none at all for kernels, which would crash if Python called them.
-_ENTRY: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-_entry = njit(**_ENTRY)
-_KERNEL: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
-_kernel = njit(**_KERNEL)
-
 # Plain loops throughout: numba compiles each array expression into a function of its own.
 
 
-@_kernel
+@kernel
 def copy_into(target: Array, first: int, source: Array) -> None:
     """Write ``source`` into ``target`` from index ``first`` on."""
     for index in range(source.size):
         target[first + index] = source[index]
 
 
-@_kernel
+@kernel
 def add_columns(matrix: Array, first: int, vector: Array, result: Array) -> None:
-    """Add ``matrix[first:first + n].T @ vector`` to ``result``, column by column."""
-    for column in range(vector.size):
-        factor = vector[column]
-        if factor != 0.0:
-            row = matrix[first + column]
-            for index in range(result.size):
-                result[index] += row[index] * factor
+    """Add ``matrix[first:first + n].T @ vector`` to ``result``, four columns at a time."""
+    whole = vector.size - vector.size % 4
+    for column in range(0, whole, 4):
+        a, b, c, d = vector[column], vector[column + 1], vector[column + 2], vector[column + 3]
+        row_a, row_b = matrix[first + column], matrix[first + column + 1]
+        row_c, row_d = matrix[first + column + 2], matrix[first + column + 3]
+        for index in range(result.size):
+            result[index] += (
+                row_a[index] * a + row_b[index] * b + row_c[index] * c + row_d[index] * d
+            )
+    for column in range(whole, vector.size):
+        factor, row = vector[column], matrix[first + column]
+        for index in range(result.size):
+            result[index] += row[index] * factor
 
 
-@_entry
+@entry
 def blow_off_force(rate: float, damping: float, limit: float, damping_after: float) -> float:
     """Force of a dashpot that blows off at the force ``limit``, N; ``rate`` in m/s."""
     force = damping * rate
@@ -70,7 +69,7 @@ def blow_off_force(rate: float, damping: float, limit: float, damping_after: flo
     return math.copysign(limit + damping_after * over, rate)
 
 
-@_entry
+@entry
 def stop_force(elongation: float, clearance: float, stiffness: float, cubic: float) -> float:
     """Force of a stop with free play to both sides, N; ``elongation`` in m."""
     depth = abs(elongation) - clearance
@@ -79,7 +78,7 @@ def stop_force(elongation: float, clearance: float, stiffness: float, cubic: flo
     return math.copysign(depth * (stiffness + cubic * depth * depth), elongation)
 
 
-@_entry
+@entry
 def maxwell_force(
     force: float,
     rate: float,
@@ -119,7 +118,7 @@ def maxwell_force(
     return force
 
 
-@_entry
+@entry
 def element_forces(
     start_force: Array,
     start: Array,
@@ -157,7 +156,7 @@ def element_forces(
         forces[index] = stop_force(end[index], law[7], law[8], law[9])
 
 
-@_kernel
+@kernel
 def internal_forces(
     damper_forces: Array,
     start: Array,
@@ -177,7 +176,7 @@ def internal_forces(
         forces[12 + index] = -momentum[index] * end[16 + index]
 
 
-@_kernel
+@kernel
 def excess_momentum(vector: Array, constants: Array) -> Array:
     """Angular momentum of the wheelsets beyond that of the parameter ``speed``, shape (4,).
 
@@ -189,7 +188,7 @@ def excess_momentum(vector: Array, constants: Array) -> Array:
     return momentum
 
 
-@_kernel
+@kernel
 def less_static(forces: Array, static: float) -> Array:
     """Contact forces (24,) less the vertical force of each wheelset at rest."""
     excess = forces.copy()
@@ -198,7 +197,7 @@ def less_static(forces: Array, static: float) -> Array:
     return excess
 
 
-@_entry
+@entry
 def write_outputs(
     offsets: Array,
     values: Array,
@@ -215,7 +214,7 @@ def write_outputs(
         outputs[row] = total
 
 
-@_entry
+@entry
 def evaluate(
     vector: Array,
     forces: Array,
@@ -226,11 +225,25 @@ def evaluate(
     result: Array,
 ) -> None:
     """Write state, contact forces less static, acceleration, internal forces to (145,)."""
+    now = np.zeros(SIGNAL_COUNT)
+    add_columns(signals, 0, vector[:STATE_COUNT], now)
+    evaluate_with(vector, now, forces, acceleration, constants, law, result)
+
+
+@kernel
+def evaluate_with(
+    vector: Array,
+    now: Array,
+    forces: Array,
+    acceleration: float,
+    constants: Array,
+    law: Array,
+    result: Array,
+) -> None:
+    """As :func:`evaluate`, with the signals (24,) of the state."""
     copy_into(result, 0, vector)
     copy_into(result, VECTOR_COUNT, less_static(forces, constants[2]))
     result[VECTOR_COUNT + FORCE_COUNT] = acceleration
-    now = np.zeros(SIGNAL_COUNT)
-    add_columns(signals, 0, vector[:STATE_COUNT], now)
     internal_forces(
         vector[DAMPER_FORCES : DAMPER_FORCES + 4],
         now,
@@ -242,7 +255,7 @@ def evaluate(
     )
 
 
-@_kernel
+@kernel
 def spin_wheelsets(state: Array, inputs: Array, step: float, inertia: float) -> None:
     """Integrate pitch angles and rates under the contact's pitch moments, in place."""
     for index in range(4):
@@ -256,7 +269,7 @@ def spin_wheelsets(state: Array, inputs: Array, step: float, inertia: float) -> 
         state[PITCH_RATES + index] += step / inertia * gain
 
 
-@_kernel
+@kernel
 def solve_internal(
     forces: Array,
     damper_forces: Array,
@@ -291,7 +304,7 @@ def solve_internal(
     return False
 
 
-@_kernel
+@kernel
 def fill_inputs(inputs: Array, start: Array, end: Array, bow: Array, part: int, count: int) -> None:
     """Write the contact forces of the ``part``-th of ``count`` equal parts of the interval.
 
@@ -307,7 +320,7 @@ def fill_inputs(inputs: Array, start: Array, end: Array, bow: Array, part: int, 
         inputs[2 * FORCE_COUNT + index] = bow[index] / (count * count)
 
 
-@_kernel
+@kernel
 def advance_part(
     state: Array,
     inputs: Array,
@@ -342,7 +355,7 @@ def advance_part(
     return converged
 
 
-@_entry
+@entry
 def advance(
     vector: Array,
     forces: Array,
@@ -384,14 +397,14 @@ def advance(
         Whether the internal forces were found in every step and all is finite.
     """
     state = vector[:VECTOR_COUNT].copy()
-    evaluate(state, forces[1], acceleration, signals, constants, law, result)
+    now = np.zeros(SIGNAL_COUNT)
+    add_columns(signals, 0, state[:STATE_COUNT], now)
+    evaluate_with(state, now, forces[1], acceleration, constants, law, result)
     inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
     inputs[3 * FORCE_COUNT] = acceleration
     copy_into(inputs, 3 * FORCE_COUNT + 1, result[VECTOR_COUNT + FORCE_COUNT + 1 :])
     first = less_static(forces[0], constants[2])
     last = less_static(forces[1], constants[2])
-    now = np.zeros(SIGNAL_COUNT)
-    add_columns(signals, 0, state[:STATE_COUNT], now)
     good = True
     for part in range(count):
         fill_inputs(inputs, first, last, forces[2], part, count)

@@ -46,7 +46,6 @@ _STOP_STROKE = 0.05
 """Compression in m up to which the stops' slope is kept well within the iteration's reach."""
 
 
-
 def _flat(forces: Array) -> Array:
     """Return contact forces (4, 6) as the kernel takes them, shape (24,)."""
     return np.ascontiguousarray(forces, dtype=np.float64).reshape(24)

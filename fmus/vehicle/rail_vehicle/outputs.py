@@ -267,4 +267,3 @@ def _damper_forces(rows: _Rows) -> Iterator[_Entry]:
         direction = "backward" if name.startswith("yaw") else "to the left"
         meaning = f"Force on the car body, positive {direction}"
         yield Output(f"{name}.force", "N", meaning), rows.column(first + index), 0.0
-
