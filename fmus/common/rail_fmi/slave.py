@@ -43,10 +43,20 @@ class RailSlave(ValueSlave):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
         self.time = 0.0
-        self._zeros = np.zeros(self.reals.size)
+        self._checked = self.reals[: self._last_of("input", "parameter", "output") + 1]
+        self._zeros = np.zeros(self._checked.size)
         self._built_from: tuple[Any, ...] | None = None
         self._identity = read_identity(self.resources, self.modelName, self.table.digest)
         self.guid = self._identity.guid
+
+    def _last_of(self, *causalities: Any) -> int:
+        """Return the last position in :attr:`reals` that has one of these causalities."""
+        places = [
+            self.table.reference(v.name)
+            for v in self.table.with_causality(*causalities)
+            if v.kind == "real"
+        ]
+        return max(places, default=-1)
 
     # Hooks of the subclass, besides ``declare``
 
@@ -142,7 +152,7 @@ class RailSlave(ValueSlave):
                 self._check_finite("input", "parameter")
                 self._suspect = False
             self.step(current_time, step_size)
-            if self._zeros.dot(self.reals) != 0.0:  # not a number as soon as one is not finite
+            if self._zeros.dot(self._checked) != 0.0:  # not a number as soon as one is not finite
                 self._check_finite("output")
             self.time = current_time + step_size
         except BaseException as error:
