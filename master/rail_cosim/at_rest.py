@@ -25,7 +25,8 @@ def values_at_rest(
 
     A master that knows the pair passes the vehicle's wheel load and radius to
     the track, and the wheelsets' resting heights back, while it initialises
-    them. Most tools pass on inputs only: they need these values as parameters.
+    them. Most tools pass on inputs only: they need these values as parameters. The inputs
+    are among the values too, so that both start with what the other says at rest.
 
     Raises
     ------
@@ -47,11 +48,11 @@ def values_at_rest(
         system = SystemStructure(list(slaves.values()))
         times = Jacobi().input_times(list(slaves))
         initialise(system, parameters=parameters, input_times=times, stop_time=1.0)
-        vehicle = slaves["vehicle"]
-        return {
-            "track": _values(slaves["track"], list(PASSED.values())),
-            "vehicle": _values(vehicle, [n for n in vehicle.variables if n.endswith(_HEIGHT)]),
-        }
+        heights = [name for name in slaves["vehicle"].variables if name.endswith(_HEIGHT)]
+        told = {"track": list(PASSED.values()), "vehicle": heights}
+        for connection in system.connections:
+            told[connection.target].append(connection.name)
+        return {name: _values(slaves[name], names) for name, names in told.items()}
 
 
 def _values(slave: Slave, names: list[str]) -> dict[str, Value]:

@@ -12,13 +12,15 @@ from xml.etree.ElementTree import Element, SubElement
 from rail_cosim.connections import Connection, connect
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.presets import preset_files
-from rail_cosim.slave import Value
+from rail_cosim.slave import Value, Variable
 from rail_cosim.ssv import SSC as _SSC
 from rail_cosim.ssv import add_units, parameter_set
 
 _ROOT = "http://ssp-standard.org/SSP1/"
 _SSD = f"{{{_ROOT}SystemStructureDescription}}"
 START = "start"
+SYSTEM_START = "system-start"
+_KEEP_FIRST_INPUTS = "coupling.keep_first_inputs"
 _SSV_TYPE = "application/x-ssp-parameter-set"
 _FIXED_TIME = (2000, 1, 1, 0, 0, 0)  # the same content gives the same file
 
@@ -42,7 +44,8 @@ def write_ssp(
         carries; the others are in the package too, to be exchanged for it.
     start
         Further values by component and variable, bound after that as a set
-        called ``start``.
+        called ``start``. The set ``system-start`` has them of all components, for tools
+        that take one set by hand and pass nothing on before the first step; no one is bound to it.
 
     Raises
     ------
@@ -63,8 +66,24 @@ def write_ssp(
         about, member = descriptions[name], f"resources/{name}-{START}.ssv"
         files[member] = parameter_set(START, values, about.variables, about.units)
         bindings.setdefault(name, []).append(member)
+    if start:
+        files[f"resources/{SYSTEM_START}.ssv"] = _system_start(start, descriptions)
     files["SystemStructure.ssd"] = structure(path.stem, descriptions, bindings)
     _write_zip(path, files)
+
+
+def _system_start(
+    start: Mapping[str, Mapping[str, Value]], descriptions: Mapping[str, FmuDescription]
+) -> bytes:
+    values: dict[str, Value] = {}
+    variables: dict[str, Variable] = {}
+    for name, given in start.items():
+        about = descriptions[name].variables
+        keep = {_KEEP_FIRST_INPUTS: True} if _KEEP_FIRST_INPUTS in about else {}
+        for key, value in {**given, **keep}.items():
+            values[f"{name}.{key}"], variables[f"{name}.{key}"] = value, about[key]
+    units = {unit: base for d in descriptions.values() for unit, base in d.units.items()}
+    return parameter_set(SYSTEM_START, values, variables, units)
 
 
 def structure(

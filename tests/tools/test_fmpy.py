@@ -5,7 +5,7 @@ import zipfile
 import pytest
 from fmpy.ssp.ssd import find_components, get_connections, read_ssd, read_ssv
 from fmpy.validation import validate_fmu
-from tool_hosts import run_fmpy_ssp
+from tool_hosts import STEPS, refusal_of_fmpy_ssp, run_fmpy_ssp
 
 SETS = {"track": ("HD", "ZX", "paper", "start"), "vehicle": ("paper", "manchester1", "start")}
 
@@ -39,10 +39,16 @@ def test_parameter_sets_are_valid_and_declare_their_units(pair, owner, name):
     assert ' unit="' in text
 
 
-def test_simulate_ssp_starts_from_zeros_and_is_refused(fmus, pair):
-    """A limit of fmpy, not of the package: it does not pass on what the FMUs start with.
+def test_simulate_ssp_makes_the_same_run(fmus, pair):
+    """Its algorithm is Jacobi, but for the first step, in which it gives every input 0.0.
 
-    In the first step it gives each input 0.0, whatever the connected output is, so all
-    wheelsets stand in one place; the track says so and does not step.
+    The set ``system-start`` has the FMUs keep what they know of each other.
     """
-    assert "the wheelsets stand 81.2 m apart" in fmus.call(run_fmpy_ssp, pair.ssp)
+    for name, values in fmus.call(run_fmpy_ssp, pair.ssp).items():
+        assert len(values) == STEPS
+        assert (values == pair[name][1:]).all(), name
+
+
+def test_simulate_ssp_without_the_set_is_refused(fmus, pair):
+    """All positions are 0.0 then: four wheelsets in one place."""
+    assert "the wheelsets stand 81.2 m apart" in fmus.call(refusal_of_fmpy_ssp, pair.ssp)

@@ -12,7 +12,12 @@ from rail_quantities import ParameterError
 
 from rail_fmi.documentation import documentation_table
 from rail_fmi.errors import BuildError, RailFmiError, StateError, StepError, TableError
-from rail_fmi.variables import Variable, VariableTable, parameter_variables
+from rail_fmi.variables import (
+    KEEP_FIRST_INPUTS,
+    Variable,
+    VariableTable,
+    parameter_variables,
+)
 
 if TYPE_CHECKING:
     from rail_fmi.slave import RailSlave
@@ -20,6 +25,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "KEEP_FIRST_INPUTS",
     "BuildError",
     "ParameterError",
     "RailFmiError",

@@ -13,6 +13,7 @@ from rail_fmi.description import ModelInformation, model_description
 from rail_fmi.errors import RailFmiError, StateError, StepError
 from rail_fmi.identity import Identity, read_identity
 from rail_fmi.slave_values import Mode, ValueSlave
+from rail_fmi.variables import KEEP_FIRST_INPUTS
 
 
 class RailSlave(ValueSlave):
@@ -46,6 +47,7 @@ class RailSlave(ValueSlave):
         self._checked = self.reals[: self._last_of("input", "parameter", "output") + 1]
         self._zeros = np.zeros(self._checked.size)
         self._built_from: tuple[Any, ...] | None = None
+        self._first_inputs: np.ndarray | None = None
         self._identity = read_identity(self.resources, self.modelName, self.table.digest)
         self.guid = self._identity.guid
 
@@ -114,8 +116,15 @@ class RailSlave(ValueSlave):
             self._mode = Mode.RUNNING
             if not self.held_error:
                 self.start()
+            self._first_inputs = None
+            if KEEP_FIRST_INPUTS.name in self.table and self.values[KEEP_FIRST_INPUTS.name]:
+                self._first_inputs = self.reals[self._real_inputs()]
 
         self._guarded(work)
+
+    def _real_inputs(self) -> np.ndarray:
+        inputs = self.table.with_causality("input")
+        return self.indices([variable.name for variable in inputs if variable.kind == "real"])
 
     def _refresh(self) -> None:
         """Initialise the model with the present values; an error is held until they change."""
@@ -148,6 +157,9 @@ class RailSlave(ValueSlave):
                 raise StepError(f"a step was asked for in mode {self._mode}; initialise first")
             if not step_size > 0.0:
                 raise StepError(f"the step size must be positive, not {step_size!r} s")
+            if self._first_inputs is not None:
+                self.reals[self._real_inputs()] = self._first_inputs
+                self._first_inputs = None
             if self._suspect:
                 self._check_finite("input", "parameter")
                 self._suspect = False
@@ -182,6 +194,8 @@ class RailSlave(ValueSlave):
                 self._refresh()
             values = {f"variables.{k}": v for k, v in self._store.save().items()}
             values |= {"setup_error": self._setup_error, "built": self._built_from is not None}
+            if self._first_inputs is not None:
+                values["first_inputs"] = self._first_inputs
             if self._built_from is not None:
                 values |= {f"model.{name}": value for name, value in self.save().items()}
             return dataclasses.replace(
@@ -210,6 +224,9 @@ class RailSlave(ValueSlave):
                     self._store.load(_part(values, "variables."))
                 self.restore(_part(values, "model."))
             self._mode, self.time, self._stale = saved.mode, saved.time, False
+            self._first_inputs = None
+            if "first_inputs" in values:
+                self._first_inputs = np.asarray(values["first_inputs"])
             self._run_error, self._setup_error = saved.error, str(values["setup_error"])
             self._last_logged = ""
             self._publish_status()

@@ -178,6 +178,16 @@ class Variable:
         return _TYPES[self.kind](number)
 
 
+KEEP_FIRST_INPUTS = Variable(
+    "coupling.keep_first_inputs",
+    kind="boolean",
+    causality="parameter",
+    description="Go through the first step with the inputs that initialization ended with, "
+    "whatever was set since: for tools that pass nothing on before the first step",
+)
+"""A slave that declares it has it: the base does the rest."""
+
+
 class VariableTable(Mapping[str, Variable]):
     """All variables of a slave by name, in order of declaration.
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_fmi import KEEP_FIRST_INPUTS, RailSlave, StepError, Variable, parameter_variables
 from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
@@ -187,6 +187,7 @@ def _settings() -> list[Variable]:
             choices=("step_start", "step_end"),
             description="Instant of the communication step that the inputs stand for",
         ),
+        KEEP_FIRST_INPUTS,
         Variable(
             names.FIRST_OFFSET,
             causality="parameter",

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_fmi import KEEP_FIRST_INPUTS, RailSlave, StepError, Variable, parameter_variables
 from rail_quantities import ParameterSet, flatten, with_values
 
 from rail_vehicle import errors
@@ -215,4 +215,5 @@ def _coupling_parameters() -> list[Variable]:
             maximum=2,
             description="Degree of the polynomial in time of the contact forces over a step",
         ),
+        KEEP_FIRST_INPUTS,
     ]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from rail_fmi import RailSlave, StepError, Variable, parameter_variables
+from rail_fmi import KEEP_FIRST_INPUTS, RailSlave, StepError, Variable, parameter_variables
 from rail_quantities import ParameterError, ParameterSet, quantity, with_values
 
 
@@ -46,6 +46,7 @@ class MassSpringSlave(RailSlave):
             Variable("force", causality="input", unit="N", nominal=1.0e3, description="Force"),
             Variable("error", kind="string", causality="input", description="Error on demand"),
             *parameter_variables(Parameters()),
+            KEEP_FIRST_INPUTS,
             Variable("omega", causality="calculatedParameter", unit="rad/s"),
             Variable("position", causality="output", unit="m", description="Deflection"),
             Variable("velocity", causality="output", unit="m/s"),
@@ -57,7 +58,8 @@ class MassSpringSlave(RailSlave):
     def initialize(self) -> None:
         if self.values["error"] == "initialize":
             raise RuntimeError("cannot set up, 100 % sure %s %n")
-        self.model = with_values(Parameters(), self.parameters())
+        own = {n: v for n, v in self.parameters().items() if n != KEEP_FIRST_INPUTS.name}
+        self.model = with_values(Parameters(), own)
         if self.model.mass > 1000.0 and self.model.spring.law == "cubic":
             raise ParameterError("mass", self.model.mass, "too heavy for the cubic law", "5 % less")
         self.values["omega"] = math.sqrt(self.model.spring.stiffness / self.model.mass)
