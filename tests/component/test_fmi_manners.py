@@ -168,31 +168,96 @@ def test_no_file_is_written_outside_the_cache(tmp_path):
     assert any(cache.rglob("mass_spring"))
 
 
-def test_folder_with_spaces_and_read_only_resources(tmp_path):
-    """A root user may write all the same: then only the spaces are tested."""
-    place = tmp_path / "a folder with spaces"
-    place.mkdir()
-    lines = run(
-        """
-        import pathlib, tempfile
-        tempfile.tempdir = sys.argv[2]
-        import fmpy
-        extract = fmpy.extract
-        def locked(path, folder):
-            extract(path, folder)
-            for item in [pathlib.Path(folder), *pathlib.Path(folder).rglob("*")]:
-                item.chmod(0o555 if item.is_dir() else 0o444)
-        fmpy.extract = locked
-        host = Host(F).initialize(force=100.0)
-        assert " " in host.folder
-        print(host.step(), host.get("steps"))
-        for item in [pathlib.Path(host.folder), *pathlib.Path(host.folder).rglob("*")]:
-            item.chmod(0o755)
-        host.close()
-        """,
-        place,
-    )
-    assert lines == ["None 1"]
+NUMBA_PACKAGE = """
+from numba import njit
+
+@njit(cache=True)
+def twice(x):
+    return 2.0 * x
+"""
+NUMBA_ENTRY = """
+from rail_fmi import RailSlave, Variable
+from keeps_code import twice
+
+class Keeping(RailSlave):
+    MODEL_NAME = "Keeping"
+
+    def declare(self):
+        return [Variable("u", causality="input"), Variable("y", causality="output")]
+
+    def step(self, time, step_size):
+        self.reals[1] = twice(self.reals[0])
+"""
+LOCKED = """
+    import pathlib, shutil, tempfile
+    import fmpy
+    extract = fmpy.extract
+    def files(folder):
+        return [pathlib.Path(folder), *pathlib.Path(folder).rglob("*")]
+    def locked(path, folder):
+        extract(path, folder)
+        for item in files(folder):
+            item.chmod(0o555 if item.is_dir() else 0o444)
+        tempfile.tempdir = sys.argv[3]
+    fmpy.extract = locked
+    tempfile.tempdir = sys.argv[2]
+    host = Host(F)
+    try:
+        open(os.path.join(host.folder, "resources", "new"), "w")
+    except PermissionError:
+        print("locked", " " in host.folder)
+    host.initialize(u=3.0)
+    print(host.step(), host.get("y"))
+    for item in files(host.folder):
+        item.chmod(0o755)
+    host.close()
+"""
+
+
+@pytest.fixture(scope="module")
+def keeping_fmu(tmp_path_factory):
+    """Build an FMU with a function that numba compiles and keeps."""
+    folder = tmp_path_factory.mktemp("keeping")
+    (folder / "keeps_code").mkdir()
+    (folder / "keeps_code" / "__init__.py").write_text(NUMBA_PACKAGE)
+    script = folder / "keeping_fmu.py"
+    script.write_text(NUMBA_ENTRY)
+    sys.path.insert(0, str(folder))
+    try:
+        return build_fmu(script, (*PACKAGES[:2], "keeps_code"), folder / "out")
+    finally:
+        sys.path.remove(str(folder))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+@pytest.mark.parametrize("writable", ["cache", "temporary folder"])
+def test_folder_with_spaces_and_read_only_resources(keeping_fmu, tmp_path, writable):
+    """Also where home and cache are read-only, as for a service: then from a temporary copy."""
+    place, cache, other = (tmp_path / n for n in ("with spaces", "cache", "temporary"))
+    for folder in (place, cache, other):
+        folder.mkdir()
+    if writable != "cache":
+        cache.chmod(0o555)
+    home = {"HOME": str(cache), "XDG_CACHE_HOME": str(cache), "RAIL_COSIM_CACHE": str(cache)}
+    code = START + textwrap.dedent(LOCKED)
+    out = run_host(code, keeping_fmu, place, other, bound=True, **home)
+    assert out.splitlines() == ["locked True", "None 6.0"]
+    assert bool(list(cache.rglob("*.nbi"))) == (writable == "cache")
+    assert not any(other.iterdir())  # a temporary copy goes with the process
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX")
+def test_no_folder_to_write_in_is_an_error_with_its_remedy(keeping_fmu, tmp_path):
+    for name in ("place", "locked"):
+        (tmp_path / name).mkdir()
+    locked = tmp_path / "locked"
+    locked.chmod(0o555)
+    home = {"HOME": str(locked), "XDG_CACHE_HOME": str(locked), "RAIL_COSIM_CACHE": str(locked)}
+    code = START + textwrap.dedent(LOCKED)
+    done = run_process(code, keeping_fmu, tmp_path / "place", locked, bound=True, **home)
+    assert done.returncode != 0
+    assert "no folder can be written for compiled code" in done.stderr
+    assert "set RAIL_COSIM_CACHE to a folder that can" in done.stderr
 
 
 def test_a_missing_library_is_named_with_its_remedy(tmp_path):

@@ -52,24 +52,45 @@ def doubler_fmu() -> Path:
 
 
 def run_host(
-    code: str, *arguments: object, paths: tuple[object, ...] = (), **environment: str
+    code: str,
+    *arguments: object,
+    paths: tuple[object, ...] = (),
+    bound: bool = False,
+    **environment: str,
 ) -> str:
     """Run code in a process that has none of our packages, and return what it prints.
 
     Exit status 0 is demanded, so a crash at the end counts.
     """
-    done = run_process(code, *arguments, paths=paths, **environment)
+    done = run_process(code, *arguments, paths=paths, bound=bound, **environment)
     assert done.returncode == 0, f"exit status {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout
 
 
 def run_process(
-    code: str, *arguments: object, paths: tuple[object, ...] = (), **environment: str
+    code: str,
+    *arguments: object,
+    paths: tuple[object, ...] = (),
+    bound: bool = False,
+    **environment: str,
 ) -> subprocess.CompletedProcess[str]:
-    """Run code as :func:`run_host` does, whatever its exit status."""
+    """Run code as :func:`run_host` does, whatever its exit status.
+
+    With ``bound`` a root user is held to the files' permissions like anyone else.
+    """
+    root = bound and os.geteuid() == 0
+    before = ["setpriv", "--bounding-set=-dac_override", "--"] if root else []
     search = os.pathsep.join(map(str, [*paths, SUPPORT]))
     return subprocess.run(
-        [sys.executable, "-X", "faulthandler", "-c", textwrap.dedent(code), *map(str, arguments)],
+        [
+            *before,
+            sys.executable,
+            "-X",
+            "faulthandler",
+            "-c",
+            textwrap.dedent(code),
+            *map(str, arguments),
+        ],
         env=os.environ
         | {"PYTHONPATH": search, "RAIL_COSIM_CACHE": str(folder() / "cache")}
         | environment,

@@ -5,6 +5,7 @@ that every FMU runs its own copy, whatever else the process has loaded.
 Standard library only.
 """
 
+import atexit
 import hashlib
 import importlib
 import importlib.util
@@ -151,7 +152,29 @@ def _cached(name: str, digest: str, resources: Path) -> Path:
         _publish(bundled, folder)
         return folder if _is_good(folder / name, digest) else resources
     except (OSError, RuntimeError):  # no home, read-only, full, or locked by another process
-        return resources
+        return _beside_the_cache(name, resources)
+
+
+def _beside_the_cache(name: str, resources: Path) -> Path:
+    """Return a folder to import from where there is no cache: one that can be written.
+
+    numba refuses functions with a cache where it cannot write one.
+    """
+    try:
+        with tempfile.TemporaryFile(dir=resources):
+            return resources
+    except OSError:
+        pass
+    try:
+        folder = Path(tempfile.mkdtemp(prefix="rail-cosim-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        _copy(resources / name, folder / name)
+    except OSError as error:
+        raise BundleError(
+            f"no folder can be written for compiled code: neither the cache, nor {resources}, nor "
+            f"a temporary one ({error}). Remedy: set {CACHE_VARIABLE} to a folder that can"
+        ) from error
+    return folder
 
 
 def _is_good(folder: Path, digest: str) -> bool:
@@ -164,16 +187,21 @@ def _publish(bundled: Path, folder: Path) -> None:
         prefix=".new-", dir=folder.parent, ignore_cleanup_errors=True
     ) as workshop:
         fresh = Path(workshop) / "fresh"
-        for path in source_files(bundled):
-            target = fresh / bundled.name / path.relative_to(bundled)
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, target)
+        _copy(bundled, fresh / bundled.name)
         for _ in range(3):
             try:
                 fresh.rename(folder)
                 return
             except OSError:
                 _set_aside(folder, Path(workshop))
+
+
+def _copy(package: Path, target: Path) -> None:
+    """Copy a package's files, but not their permissions."""
+    for path in source_files(package):
+        file = target / path.relative_to(package)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, file)
 
 
 def _set_aside(folder: Path, workshop: Path) -> None:

@@ -12,6 +12,9 @@ _THREAD_LIMIT = 64
 _kept_threads: set[int] = set()
 _settled_libraries: set[str] = set()
 
+forget_pending_error = ctypes.pythonapi.PyErr_Clear
+forget_pending_error.restype = None
+
 
 def printable(message: str) -> str:
     """Return a message that pythonfmu can hand to the host's logger.

@@ -49,10 +49,10 @@ class ValueSlave(GuardedSlave):
         self._mode = Mode.INSTANTIATED
         self._stale = False
         self._suspect = False
-        # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending, and
-        # then Python finds it in the instance only.
-        method = weakref.WeakMethod(self._set_strings)
-        self.set_string = lambda vrs, values: (call := method()) and call(vrs, values)
+        # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending.
+        # Then Python finds it in the instance only, and newer ones run little before they trip.
+        method, forget = weakref.WeakMethod(self._set_strings), host.forget_pending_error
+        self.set_string = lambda vrs, values: (forget(), (call := method()) and call(vrs, values))
         self._make_variables()
 
     def _make_variables(self) -> None:
