@@ -11,16 +11,30 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rail_cosim.builder import build as build
+    from rail_cosim.case import read_case as read_case
     from rail_cosim.runner import run as run
     from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
+    from rail_cosim.sweeps import plot_sweep as plot_sweep
     from rail_cosim.sweeps import sweep as sweep
     from rail_cosim.verification import verify as verify
 
-__all__ = ["build", "run", "study", "summarise", "sweep", "verify", "version"]
+__all__ = [
+    "build",
+    "plot_sweep",
+    "read_case",
+    "run",
+    "study",
+    "summarise",
+    "sweep",
+    "verify",
+    "version",
+]
 
 _HOME = {
     "build": "rail_cosim.builder",
+    "plot_sweep": "rail_cosim.sweeps",
+    "read_case": "rail_cosim.case",
     "run": "rail_cosim.runner",
     "study": "rail_cosim.studies",
     "summarise": "rail_cosim.summary",

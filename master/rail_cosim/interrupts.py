@@ -8,9 +8,12 @@ master looks for it between two calls.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
+from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from types import FrameType, TracebackType
 from typing import Self
 
@@ -58,3 +61,21 @@ class InterruptNote:
         """Raise ``KeyboardInterrupt`` here, where it does no harm, if one was asked for."""
         if self.requested:
             raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def without_interrupts() -> Iterator[None]:
+    """Start processes and threads in here that Ctrl-C does not reach.
+
+    A terminal sends it to all processes of a command; only this one is to say something. One
+    that comes meanwhile strikes at the end. Windows knows no signal masks: nothing is done.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # it would unmask the thread that starts it
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

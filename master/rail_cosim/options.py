@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -75,6 +76,8 @@ class RunOptions:
     command: str = ""
 
     def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            _check_kind(field, getattr(self, field.name))
         if self.system is not None:
             others = {"--line": self.line, "--vehicle": self.vehicle, "--track": self.track}
             for name, value in others.items():
@@ -96,3 +99,16 @@ class RunOptions:
             raise ParameterError("--final-speed", self.final_speed, limit, "omit --until-steady")
         if self.record_every < 1:
             raise ParameterError("--record-every", self.record_every, "must be at least 1")
+
+
+_KINDS = {"float": "a number", "int": "a whole number", "str": "a text", "Path": "a path"}
+
+
+def _check_kind(field: dataclasses.Field, value: object) -> None:
+    """Refuse a value of the wrong type, which a file or a script may give."""
+    kind = str(field.type).partition(" | ")[0]
+    if kind not in _KINDS or (value is None and field.default is None):
+        return
+    allowed = {"float": numbers.Real, "int": numbers.Integral, "str": str, "Path": Path}[kind]
+    if not isinstance(value, allowed) or isinstance(value, bool):
+        raise ParameterError("--" + field.name.replace("_", "-"), value, f"must be {_KINDS[kind]}")

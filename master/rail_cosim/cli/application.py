@@ -7,7 +7,7 @@ import shlex
 import sys
 import time
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich.console import Console, RenderableType
@@ -17,12 +17,32 @@ from rich.text import Text
 from rail_cosim import version
 from rail_cosim.errors import RailCosimError
 
+_STATUS = (
+    "Exit status: 0 all right; 1 the run failed, or a check was not passed; 2 the command, a "
+    "parameter or a file is wrong; 130 stopped by Ctrl-C (what was computed is kept)."
+)
+
+
+def examples(*lines: str) -> str:
+    """Return the end of a help text, with lines that stay as they are."""
+    # Click keeps the lines of a paragraph that begins with \b; empty lines end paragraphs.
+    kept = "\n".join("  " + line if line else "\n\b" for line in lines)
+    return "For example:\n\n\b\n" + kept
+
+
+# Help without markup: in Typer's boxes, names in brackets vanish and examples are broken.
 app = typer.Typer(
     name="rail-cosim",
-    help="Co-simulation of a high-speed railway vehicle on an endless slab track.",
-    no_args_is_help=True,
+    help="Co-simulation of a high-speed railway vehicle on an endless slab track.\n\n" + _STATUS,
+    epilog=examples(
+        "rail-cosim run --speed 300 --out run.nc --plot run.png",
+        "rail-cosim run winter.toml --distance 200",
+        "rail-cosim sweep sweep.toml --out sweep.nc --plot sweep.png",
+        "rail-cosim --install-completion",
+    ),
+    rich_markup_mode=None,
+    context_settings={"max_content_width": 100},
     pretty_exceptions_enable=False,
-    add_completion=False,
 )
 _DRAW_EVERY = 0.2  # s
 _out = Console()
@@ -55,6 +75,15 @@ def say(text: str) -> None:
 def remark(text: str) -> None:
     """Print a line on standard error."""
     _plain(_err, text)
+
+
+def given(context: typer.Context, values: dict[str, Any]) -> dict[str, Any]:
+    """Return those of ``values`` that were typed, not defaults."""
+    return {
+        name: value
+        for name, value in values.items()
+        if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"
+    }
 
 
 def show(table: RenderableType) -> None:
@@ -94,6 +123,8 @@ class Terminal:
 
     def notice(self, text: str) -> None:
         """Print a warning."""
+        if _out.quiet:
+            return
         _plain(self._bar.console, f"rail-cosim: warning: {text}")
 
 
@@ -106,10 +137,30 @@ def progress() -> Iterator[Terminal]:
         MofNCompleteColumn(),
         TimeRemainingColumn(),
     )
-    quiet = not _err.is_terminal
+    hidden = _out.quiet or not _err.is_terminal
     # Refreshed by hand: a thread of its own would take time from the slaves.
-    with Progress(*columns, console=_err, transient=True, auto_refresh=False, disable=quiet) as bar:
+    with Progress(
+        *columns, console=_err, transient=True, auto_refresh=False, disable=hidden
+    ) as bar:
         yield Terminal(bar)
+
+
+def _be_quiet(wanted: bool) -> bool:
+    _out.quiet = wanted
+    return wanted
+
+
+Quiet = Annotated[
+    bool,
+    typer.Option(
+        "--quiet",
+        "-q",
+        callback=_be_quiet,
+        is_eager=True,
+        help="Print errors only; the exit status tells how it went.",
+    ),
+]
+"""The option ``--quiet`` of a command; all that is said with this module's functions obeys."""
 
 
 def _print_version(wanted: bool) -> None:
@@ -118,8 +169,9 @@ def _print_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _common(
+    context: typer.Context,
     show: Annotated[
         bool,
         typer.Option(
@@ -127,9 +179,25 @@ def _common(
         ),
     ] = False,
 ) -> None:
-    pass
+    _be_quiet(False)
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 def main() -> None:
     """Run the command line."""
-    app()
+    try:
+        status = app(standalone_mode=False)
+    except Exception as error:
+        # A wrong command line; its class is Typer's or Click's, by their versions.
+        if not hasattr(error, "format_message"):
+            raise
+        say_error(_usage(error))
+        status = 2
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _usage(error: Any) -> str:
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context else "rail-cosim"
+    return f"{error.format_message()}\nsee {path} --help"

@@ -7,10 +7,15 @@ from typing import Annotated
 
 import typer
 
-from rail_cosim.cli.application import app, plain_errors, say, show
+from rail_cosim.cli.application import Quiet, app, examples, plain_errors, say, show
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "rail-cosim build --out build",
+        "rail-cosim build --out build --line ZX --at-rest",
+    )
+)
 def build(
     out: Annotated[Path, typer.Option(help="Directory for the four files.")] = Path("."),
     line: Annotated[
@@ -27,10 +32,12 @@ def build(
             "pass nothing on before the start.",
         ),
     ] = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Build HighSpeedVehicle.fmu, InfiniteSlabTrack.fmu, and the system of both for other tools.
+    """Build both FMUs, and the system of both for other tools.
 
-    VehicleOnSlabTrack.ssp has all in one; OspSystemStructure.xml is for libcosim.
+    HighSpeedVehicle.fmu and InfiniteSlabTrack.fmu; VehicleOnSlabTrack.ssp
+    has all in one; OspSystemStructure.xml is for libcosim.
     """
     from rail_cosim.builder import build as build_all
 
@@ -39,9 +46,14 @@ def build(
             say(str(path))
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "rail-cosim check my_vehicle.fmu",
+    )
+)
 def check(
     fmu: Annotated[Path, typer.Argument(help="A vehicle or a track.", metavar="FMU")],
+    quiet: Quiet = False,
 ) -> None:
     """Say whether an FMU can be the vehicle or the track of a run.
 

@@ -7,10 +7,25 @@ from typing import Annotated
 
 import typer
 
-from rail_cosim.cli.application import app, plain_errors, progress, say, show, typed_command
+from rail_cosim.cli.application import (
+    Quiet,
+    app,
+    examples,
+    plain_errors,
+    progress,
+    say,
+    show,
+    typed_command,
+)
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "rail-cosim bench",
+        "rail-cosim bench --speed 400 --macro-step 5e-5 --json",
+        "rail-cosim bench --reference benchmarks/article_method.py",
+    )
+)
 def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print all figures as JSON.")] = False,
     speed: Annotated[float, typer.Option(help="km/h.")] = 300.0,
@@ -47,12 +62,18 @@ def bench(
         show(benchmark_table(found))
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "rail-cosim verify --out report",
+        "rail-cosim verify --full --out report",
+    )
+)
 def verify(
     out: Annotated[Path, typer.Option(help="Directory for the page.", metavar="DIR")] = Path("."),
     full: Annotated[
         bool, typer.Option("--full", help="With the longer runs: some minutes.")
     ] = False,
+    quiet: Quiet = False,
 ) -> None:
     """Compare the product with everything that is known, and print the table.
 

@@ -3,21 +3,53 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rail_cosim.cli.application import app, plain_errors, progress, remark, show, typed_command
+from rail_cosim.cli.application import (
+    Quiet,
+    app,
+    examples,
+    given,
+    plain_errors,
+    progress,
+    remark,
+    say,
+    show,
+    typed_command,
+)
 from rail_cosim.errors import RunError
 
+if TYPE_CHECKING:
+    from rail_cosim.options import RunOptions
 
-@app.command()
+
+def _algorithms(typed: str) -> list[str]:
+    from rail_cosim.algorithms import ALGORITHMS
+
+    return [name for name in ALGORITHMS if name.startswith(typed)]
+
+
+@app.command(
+    epilog=examples(
+        "rail-cosim run --speed 300 --distance 200 --irregularity german_low --plot run.png",
+        "rail-cosim run --set track.fastener.vertical_stiffness=140e6 --speed 170",
+        "rail-cosim run --irregularity german_low --set track.irregularity.seed=2",
+        "rail-cosim run --irregularity rail_joint --set track.irregularity.rail_joint.position=40",
+        "rail-cosim run --irregularity measured.csv --out run.nc",
+        "rail-cosim run --speed 170 --out winter.nc --write-case winter.toml",
+        "rail-cosim run winter.toml --distance 200",
+    )
+)
 def run(
+    context: typer.Context,
     system: Annotated[
         Path | None,
         typer.Argument(
-            help="An SSP package with a vehicle and a track; none: the options say which.",
-            metavar="[SYSTEM.ssp]",
+            help="A run file, or an SSP package with a vehicle and a track; none: the options "
+            "say what to run.",
+            metavar="[CASE.toml|SYSTEM.ssp]",
             show_default=False,
         ),
     ] = None,
@@ -71,7 +103,11 @@ def run(
     macro_step: Annotated[float, typer.Option(help="Communication step.", metavar="S")] = 1e-4,
     algorithm: Annotated[
         str,
-        typer.Option(help="gauss-seidel, jacobi, iterative-gauss-seidel.", metavar="NAME"),
+        typer.Option(
+            help="gauss-seidel, jacobi, iterative-gauss-seidel.",
+            metavar="NAME",
+            autocompletion=_algorithms,
+        ),
     ] = "gauss-seidel",
     record_every: Annotated[int, typer.Option(help="Record every N-th step.", metavar="N")] = 1,
     out: Annotated[
@@ -80,6 +116,15 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(help="Picture: .png, .pdf or .svg.", metavar="FILE")
     ] = None,
+    case: Annotated[
+        Path | None,
+        typer.Option(
+            "--write-case",
+            help="Write a run file that says what this command says, and end.",
+            metavar="FILE",
+        ),
+    ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run vehicle and track together and print a summary.
 
@@ -87,46 +132,68 @@ def run(
     in SYSTEM.ssp, then from --speed and --irregularity, then from --set; the last one
     wins. All in SI units but --speed.
 
-    For example:
+    CASE.toml has options by their names below [run] and parameters below [set], as the
+    specification of a sweep has; its paths are seen from its folder. What is on the
+    command line wins.
 
-      rail-cosim run --speed 300 --distance 200 --irregularity german_low --plot run.png
-
-      rail-cosim run --irregularity german_low --set track.irregularity.seed=2
-
-      rail-cosim run --irregularity rail_joint --set track.irregularity.rail_joint.position=40
-
-      rail-cosim run --irregularity measured.csv --out run.nc
+    Ctrl-C ends the run after its step; what was recorded is written and marked
+    incomplete.
     """
+    values = given(
+        context,
+        {
+            "system": system,
+            "line": line,
+            "vehicle": vehicle,
+            "track": track,
+            "speed": speed,
+            "distance": distance,
+            "until_steady": until_steady,
+            "final_speed": final_speed,
+            "irregularity": irregularity,
+            "settings": settings,
+            "macro_step": macro_step,
+            "algorithm": algorithm,
+            "record_every": record_every,
+            "out": out,
+            "plot": plot,
+        },
+    )
+    with plain_errors():
+        options = _options(values)
+        if case is not None:
+            from rail_cosim.case import write_case
+
+            write_case(case, options)
+            say(str(case))
+            return
+        _run(options)
+
+
+def _options(values: dict[str, Any]) -> RunOptions:
+    """Return the options from a run file, if there is one, and those that were typed."""
+    from rail_cosim.case import ENDING, read_case
     from rail_cosim.options import RunOptions
+    from rail_cosim.toml_files import assignments
+
+    case: dict[str, Any] = {"settings": {}}
+    if "system" in values and values["system"].suffix.lower() == ENDING:
+        case = read_case(values.pop("system"))
+    settings = [*assignments(case["settings"]), *values.get("settings", [])]
+    return RunOptions(**case | values | {"settings": settings, "command": typed_command()})
+
+
+def _run(options: RunOptions) -> None:
     from rail_cosim.runner import execute
 
-    with plain_errors():
-        options = RunOptions(
-            system=system,
-            line=line,
-            vehicle=vehicle,
-            track=track,
-            speed=speed,
-            distance=distance,
-            until_steady=until_steady,
-            final_speed=final_speed,
-            irregularity=irregularity,
-            settings=settings or [],
-            macro_step=macro_step,
-            algorithm=algorithm,
-            record_every=record_every,
-            out=out,
-            plot=plot,
-            command=typed_command(),
-        )
-        try:
-            with progress() as terminal:
-                dataset = execute(options, terminal)
-        except RunError as error:
-            _summary(error.dataset)
-            _kept(options.out)
-            raise
-        _summary(dataset)
+    try:
+        with progress() as terminal:
+            dataset = execute(options, terminal)
+    except RunError as error:
+        _summary(error.dataset)
+        _kept(options.out)
+        raise
+    _summary(dataset)
 
 
 def _summary(dataset) -> None:

@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 
 from rail_cosim.cli.application import (
+    Quiet,
     app,
+    examples,
     plain_errors,
     progress,
     say,
@@ -16,12 +18,31 @@ from rail_cosim.cli.application import (
     show,
     typed_command,
 )
-from rail_cosim.errors import RailCosimError
+from rail_cosim.errors import RailCosimError, RunInterrupted
 
 
-@app.command()
+def _names(typed: str) -> list[tuple[str, str]]:
+    from rail_cosim.studies import ALL, STUDIES
+
+    known = {**STUDIES, ALL: "every study"}
+    return [(name, about) for name, about in known.items() if name.startswith(typed)]
+
+
+@app.command(
+    epilog=examples(
+        "rail-cosim study critical-speed --out studies --set vehicle.yaw_damper.damping=0",
+        "rail-cosim study table3 --quick --out studies",
+        "rail-cosim study contact-geometry --set track.contact.rail_profile=60E1",
+        "rail-cosim study p2 --set vehicle.wheelset.mass=1500",
+    )
+)
 def study(
-    name: Annotated[str, typer.Argument(help="critical-speed, table3, ... (see below), or all.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            help="critical-speed, table3, ... (see above), or all.", autocompletion=_names
+        ),
+    ],
     quick: Annotated[bool, typer.Option("--quick", help="A coarser result in less time.")] = False,
     out: Annotated[Path, typer.Option(help="Directory for data and plot.", metavar="DIR")] = Path(
         "."
@@ -35,6 +56,7 @@ def study(
             metavar="NAME=VALUE",
         ),
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Do a study: prints its table and result, writes data (NetCDF) and plot.
 
@@ -76,17 +98,7 @@ def study(
     in the folder points: after a stop the same command goes on where it was.
 
     all: every study, one after the other; one that fails does not end it, but
-    then the exit status is 1.
-
-    For example:
-
-      rail-cosim study critical-speed --out studies --set vehicle.yaw_damper.damping=0
-
-      rail-cosim study table3 --quick --out studies
-
-      rail-cosim study contact-geometry --set track.contact.rail_profile=60E1
-
-      rail-cosim study p2 --set vehicle.wheelset.mass=1500
+    then the exit status is 1. Ctrl-C does.
     """
     from rail_cosim.studies import ALL, STUDIES, StudyOptions, run_study
 
@@ -104,7 +116,7 @@ def study(
                 with progress() as terminal:
                     result = run_study(one, options, terminal)
             except RailCosimError as error:
-                if name != ALL:
+                if name != ALL or isinstance(error, RunInterrupted):
                     raise
                 problems[one] = str(error)
                 say_error(f"{one}: {error}")

@@ -7,11 +7,40 @@ from typing import Annotated
 
 import typer
 
-from rail_cosim.cli.application import app, plain_errors, progress, say, show
+from rail_cosim.cli.application import (
+    Quiet,
+    app,
+    examples,
+    plain_errors,
+    progress,
+    remark,
+    say,
+    show,
+)
 from rail_cosim.errors import RailCosimError
 
 
-@app.command()
+@app.command(
+    epilog=examples(
+        "rail-cosim sweep sweep.toml --out sweep.nc --plot sweep.png",
+        "",
+        "sweep.toml:",
+        "",
+        "  [run]",
+        '  line = "HD"',
+        "",
+        "  [set]",
+        "  track.fastener.vertical_damping = 10e3",
+        "",
+        "  [grid]",
+        "  speed = { start = 80, stop = 400, step = 20 }",
+        "  track.fastener.vertical_stiffness = [40e6, 140e6]",
+        "",
+        "  [keep]",
+        '  normal_force = ["max", "min", "lift_off_time"]',
+        '  axle_box_vertical_acceleration = ["peak", "dominant_frequency"]',
+    )
+)
 def sweep(
     specification: Annotated[
         Path, typer.Argument(help="TOML file: what to vary, fix and keep.", metavar="SPEC")
@@ -33,6 +62,13 @@ def sweep(
             help="Folder of the finished points; FILE with the ending .points.", metavar="DIR"
         ),
     ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            help="Picture of a sweep over one or two axes: .png, .pdf or .svg.", metavar="FILE"
+        ),
+    ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run many points of any parameters and write one labelled data set.
 
@@ -42,36 +78,35 @@ def sweep(
     SPEC has [grid] with axes (options of run, or parameters), or single
     [[points]]; [run] and [set] fix options and parameters; [keep] says which
     statistics of which variables over the last slab length. Runs end when they
-    are steady (until_steady, 0.001) or after distance (500 m). For example:
+    are steady (until_steady, 0.001) or after distance (500 m). Paths in SPEC are
+    seen from its folder.
 
-      [run]
-      line = "HD"
-
-      [set]
-      track.fastener.vertical_damping = 10e3
-
-      [grid]
-      speed = { start = 80, stop = 400, step = 20 }
-      track.fastener.vertical_stiffness = [40e6, 140e6]
-
-      [keep]
-      normal_force = ["max", "min", "lift_off_time"]
-      axle_box_vertical_acceleration = ["peak", "dominant_frequency"]
+    The picture has a panel for each quantity: curves over one axis; over two a
+    family of curves or a map; of the wheels the largest value (of a minimum the
+    smallest).
     """
-    from rail_cosim.sweeps import execute_sweep, read_specification
+    from rail_cosim.sweeps import execute_sweep, read_specification, store_of
     from rail_cosim.tables import sweep_table
 
     with plain_errors():
-        with progress() as terminal:
-            dataset = execute_sweep(
-                read_specification(specification),
-                scheduler=scheduler,
-                workers=workers,
-                out=out,
-                store=store,
-                reporter=terminal,
-            )
+        try:
+            with progress() as terminal:
+                dataset = execute_sweep(
+                    read_specification(specification),
+                    scheduler=scheduler,
+                    workers=workers,
+                    out=out,
+                    store=store,
+                    plot=plot,
+                    reporter=terminal,
+                )
+        except KeyboardInterrupt:
+            kept = store or store_of(out)
+            remark(f"finished points are in {kept}: the same command goes on where it was")
+            raise
         show(sweep_table(dataset))
-        say(str(out))
+        for path in (out, plot):
+            if path is not None:
+                say(str(path))
         if bool((dataset["error"] != "").all()):
             raise RailCosimError("every point failed")

@@ -19,11 +19,13 @@ from typing import TYPE_CHECKING, Any
 import xarray as xr
 
 from rail_cosim.cache import cache_directory
-from rail_cosim.results import check_netcdf, write_netcdf
+from rail_cosim.plot import check_format
+from rail_cosim.results import check_netcdf, check_writable, write_netcdf
 from rail_cosim.slave import Value
 from rail_cosim.sweeps.assembly import assemble
 from rail_cosim.sweeps.cluster import connected, results, worker_count
 from rail_cosim.sweeps.plan import Plan, Task, make_plan
+from rail_cosim.sweeps.plot import check_drawable, plot_sweep
 from rail_cosim.sweeps.point import PointResult, run_point
 from rail_cosim.sweeps.specification import (
     KEPT,
@@ -46,9 +48,11 @@ __all__ = [
     "SweepSpecification",
     "execute_sweep",
     "make_plan",
+    "plot_sweep",
     "read_specification",
     "run_plan",
     "steps",
+    "store_of",
     "sweep",
 ]
 
@@ -67,6 +71,7 @@ def sweep(
     workers: int | None = None,
     out: str | Path | None = None,
     store: str | Path | None = None,
+    plot: str | Path | None = None,
     reporter: Reporter | None = None,
 ) -> xr.Dataset:
     """Run a vehicle on a track at many points; mirrors ``rail-cosim sweep``.
@@ -87,6 +92,8 @@ def sweep(
     store
         Folder of the finished points; ``None`` for ``out`` with the ending ``.points``,
         without ``out`` a folder in the user's cache.
+    plot
+        Picture of a sweep over one or two axes (:func:`rail_cosim.plot_sweep`).
     reporter
         Told of stages, progress and warnings.
 
@@ -120,6 +127,7 @@ def sweep(
         workers=workers,
         out=None if out is None else Path(out),
         store=None if store is None else Path(store),
+        plot=None if plot is None else Path(plot),
         reporter=reporter or Quiet(),
     )
 
@@ -132,18 +140,31 @@ def execute_sweep(
     out: Path | None,
     store: Path | None,
     reporter: Reporter,
+    plot: Path | None = None,
 ) -> xr.Dataset:
     """Run a sweep (see :func:`sweep`)."""
     if out:
         check_netcdf(out)
+    if plot:
+        check_format(plot)
+        check_writable(plot)
+        check_drawable(specification.axes if specification.grid else ())
     reporter.stage("finding the FMUs")
     plan = make_plan(specification)
-    folder = store or (out.with_suffix(".points") if out else cache_directory() / "points")
-    found = run_plan(plan, Store(folder), reporter, scheduler=scheduler, workers=workers)
+    found = run_plan(
+        plan, Store(store or store_of(out)), reporter, scheduler=scheduler, workers=workers
+    )
     dataset = assemble(plan, found)
     if out:
         write_netcdf(dataset, out)
+    if plot and not bool((dataset["error"] != "").all()):
+        plot_sweep(dataset, plot)
     return dataset
+
+
+def store_of(out: Path | None) -> Path:
+    """Return the folder in which the points of a result are kept unless another is named."""
+    return out.with_suffix(".points") if out else cache_directory() / "points"
 
 
 def run_plan(

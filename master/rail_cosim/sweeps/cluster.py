@@ -15,6 +15,7 @@ import xarray as xr
 from distributed import Client, LocalCluster, WorkerPlugin, as_completed
 
 from rail_cosim.errors import ParameterError, RailCosimError
+from rail_cosim.interrupts import without_interrupts
 from rail_cosim.sweeps.plan import FmuFile, Task
 from rail_cosim.sweeps.point import PointResult, received, run_point
 
@@ -94,14 +95,15 @@ def connected(scheduler: str | Client | None, workers: int) -> Iterator[Client]:
             folder = stack.enter_context(
                 tempfile.TemporaryDirectory(prefix="rail-cosim-", ignore_cleanup_errors=True)
             )
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                processes=True,
-                dashboard_address=None,  # pyright: ignore[reportArgumentType]
-                local_directory=folder,
-                silence_logs=logging.CRITICAL,
-            )
+            with without_interrupts():
+                cluster = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    dashboard_address=None,  # pyright: ignore[reportArgumentType]
+                    local_directory=folder,
+                    silence_logs=logging.CRITICAL,
+                )
             stack.enter_context(cluster)
             scheduler = str(cluster.scheduler_address)
         try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.options import RunOptions
 from rail_cosim.slave import Value
 from rail_cosim.sweeps.quantities import NAMES
+from rail_cosim.toml_files import assignments, flat, located, located_settings, read_toml
 
 RUN_OPTIONS = (
     "line",
@@ -39,7 +39,6 @@ KEPT: Mapping[str, Sequence[str]] = {
 DISTANCE, UNTIL_STEADY = 500.0, 1e-3
 _OWNERS = ("track.", "vehicle.")
 _SECTIONS = ("run", "set", "grid", "points", "keep", "history")
-_RANGE = {"start", "stop", "step"}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -61,6 +60,8 @@ class SweepSpecification:
         Dataset, over the last slab length.
     history
         Variables of which the records themselves are kept, each ``history_every``-th.
+    folder
+        From where relative paths are seen; ``None`` for the working directory.
 
     An axis is an option of a run, or a parameter by its full name.
 
@@ -77,6 +78,7 @@ class SweepSpecification:
     keep: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=lambda: dict(KEPT))
     history: Sequence[str] = ()
     history_every: int = 1
+    folder: Path | None = None
 
     def __post_init__(self) -> None:
         if bool(self.grid) == bool(self.points):
@@ -136,14 +138,12 @@ class SweepSpecification:
         for name, value in point.items():
             (settings if name.startswith(_OWNERS) else given)[name] = value
         for name in ("vehicle", "irregularity"):
-            given[name] = None if given.get(name) is None else str(given[name])
-        given["track"] = None if given.get("track") is None else Path(given["track"])
+            value = given.get(name)
+            given[name] = None if value is None else located(str(value), self.folder)
+        if given.get("track") is not None:
+            given["track"] = (self.folder or Path()) / Path(given["track"]).expanduser()
         given["until_steady"] = given["until_steady"] or None  # false or 0: the whole way
-        return RunOptions(**given, settings=[f"{k}={_text(v)}" for k, v in settings.items()])
-
-
-def _text(value: Value) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+        return RunOptions(**given, settings=assignments(located_settings(settings, self.folder)))
 
 
 def _check_axis(name: str) -> None:
@@ -158,27 +158,20 @@ def read_specification(path: Path) -> SweepSpecification:
     ``[run]`` has options of a run, ``[set]`` fixed parameters, ``[grid]`` axes (a list, or
     ``{start = 80, stop = 400, step = 5}`` with both ends), ``[[points]]`` single points
     instead, ``[keep]`` statistics by variable, ``[history]`` ``variables`` and ``every``.
+    Relative paths are seen from the file.
 
     Raises
     ------
     ParameterError
         If it cannot be read or makes no sense.
     """
-    try:
-        with path.open("rb") as file:
-            content = tomllib.load(file)
-    except OSError as error:
-        raise ParameterError("SPEC", str(path), f"cannot be read ({error.strerror})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError("SPEC", str(path), f"is no TOML file ({error})") from error
-    for section in content:
-        if section not in _SECTIONS:
-            raise UnknownNameError(section, "[...]", _SECTIONS, "section", listed=True)
+    content = read_toml(path, "SPEC", _SECTIONS)
     given: dict[str, Any] = {
-        "grid": {name: _axis(name, value) for name, value in _flat(content.get("grid", {}))},
-        "points": [dict(_flat(point)) for point in content.get("points", [])],
+        "grid": {name: _axis(name, value) for name, value in flat(content.get("grid", {}))},
+        "points": [dict(flat(point)) for point in content.get("points", [])],
         "run": content.get("run", {}),
-        "settings": dict(_flat(content.get("set", {}))),
+        "settings": dict(flat(content.get("set", {}))),
+        "folder": path.absolute().parent,
     }
     if "keep" in content:
         given["keep"] = content["keep"]
@@ -189,17 +182,6 @@ def read_specification(path: Path) -> SweepSpecification:
         name, value = next(iter(history.items()))
         raise UnknownNameError(f"history.{name}", value, ("variables", "every"), "entry", name)
     return SweepSpecification(**given)
-
-
-def _flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Return the entries with dotted names; a table that is a range is one entry."""
-    entries: list[tuple[str, Any]] = []
-    for name, value in table.items():
-        if isinstance(value, Mapping) and set(value) != _RANGE:
-            entries += _flat(value, f"{prefix}{name}.")
-        else:
-            entries.append((prefix + name, value))
-    return entries
 
 
 def _axis(name: str, value: Any) -> list[Value]:
