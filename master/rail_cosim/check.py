@@ -13,6 +13,7 @@ from rich.text import Text
 from rail_cosim.contract import Finding, Role, contract_findings, terminal_numbers
 from rail_cosim.description import FmuDescription, read_description, read_root
 from rail_cosim.manners import manners_findings
+from rail_cosim.trial import trial_findings
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -29,6 +30,8 @@ class CheckReport:
         Number of its terminals.
     contract, manners
         Findings about the contract of vehicle and track, and about FMI itself.
+    trial
+        Faults in a short run, empty if there was none.
     """
 
     description: FmuDescription
@@ -36,11 +39,17 @@ class CheckReport:
     wheelsets: int
     contract: Sequence[Finding]
     manners: Sequence[Finding]
+    trial: Sequence[Finding] = ()
+
+    @property
+    def parts(self) -> dict[str, Sequence[Finding]]:
+        """All findings by what they are about."""
+        return {"contract": self.contract, "FMI": self.manners, "run": self.trial}
 
     @property
     def faults(self) -> list[Finding]:
         """What makes the FMU fail."""
-        return [f for f in (*self.contract, *self.manners) if f.level == "fault"]
+        return [f for found in self.parts.values() for f in found if f.level == "fault"]
 
     @property
     def passed(self) -> bool:
@@ -48,10 +57,11 @@ class CheckReport:
         return not self.faults
 
 
-def check_fmu(path: Path) -> CheckReport:
+def check_fmu(path: Path, *, run: bool = False) -> CheckReport:
     """Check an FMU's description against the contract and against FMI 2.0.
 
-    Nothing is loaded or run, so this says nothing about values.
+    Unless ``run`` is asked for nothing is loaded, and nothing said about values
+    (see :mod:`rail_cosim.trial`).
 
     Raises
     ------
@@ -71,6 +81,7 @@ def check_fmu(path: Path) -> CheckReport:
         wheelsets=len(terminal_numbers(description.variables)),
         contract=contract,
         manners=manners_findings(read_root(path), members),
+        trial=trial_findings(path) if run else (),
     )
 
 
@@ -80,7 +91,7 @@ def check_table(report: CheckReport) -> Table:
     table = Table(title=Text(title), title_justify="left", title_style="")
     for head in ("", "about", "finding"):
         table.add_column(head, overflow="fold")
-    for part, findings in (("contract", report.contract), ("FMI", report.manners)):
+    for part, findings in report.parts.items():
         for level in ("fault", "note"):
             rows: dict[str, list[str]] = {}
             for finding in findings:

@@ -52,7 +52,13 @@ class ValueSlave(GuardedSlave):
         # With a text that is not UTF-8, pythonfmu calls set_string while an error is pending.
         # Then Python finds it in the instance only, and newer ones run little before they trip.
         method, forget = weakref.WeakMethod(self._set_strings), host.forget_pending_error
-        self.set_string = lambda vrs, values: (forget(), (call := method()) and call(vrs, values))
+
+        def set_string(vrs: list[int], values: list[str]) -> None:
+            forget()
+            if call := method():
+                call(vrs, values)
+
+        self.set_string = set_string
         self._make_variables()
 
     def _make_variables(self) -> None:
