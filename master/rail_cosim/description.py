@@ -35,6 +35,8 @@ class FmuDescription:
         declared, ``{"kg": "1", "m": "1", "s": "-2"}``.
     can_save_state
         Whether the FMU's state can be read and set (rollback).
+    can_serialize_state
+        Whether it can also be written to a file (checkpoints).
     """
 
     path: Path
@@ -46,6 +48,7 @@ class FmuDescription:
     variables: Mapping[str, Variable]
     units: Mapping[str, Mapping[str, str]] = dataclasses.field(default_factory=dict)
     can_save_state: bool = False
+    can_serialize_state: bool = False
 
 
 def read_description(path: Path) -> FmuDescription:
@@ -81,6 +84,7 @@ def read_description(path: Path) -> FmuDescription:
             if (base := unit.find("BaseUnit")) is not None
         },
         can_save_state=interface.get("canGetAndSetFMUstate") in ("true", "1"),
+        can_serialize_state=interface.get("canSerializeFMUstate") in ("true", "1"),
     )
 
 

@@ -110,6 +110,25 @@ class InterfaceEnergy:
         self._evaluate()
         return self._report
 
+    def memory(self) -> dict[str, Array]:
+        """Return what it remembers, as arrays by name."""
+        totals = dataclasses.astuple(self._report)
+        return {
+            "totals": np.array(totals),
+            "forces": self._forces[: self._row].copy(),
+            "motions": self._motions[: self._row].copy(),
+        }
+
+    def recall(self, memory: Mapping[str, Array]) -> None:
+        """Take back what :meth:`memory` returned."""
+        defect, absolute, exchanged = (float(value) for value in memory["totals"])
+        self._report = EnergyReport(
+            defect=defect, absolute_defect=absolute, exchanged=exchanged
+        )
+        self._row = len(memory["forces"])
+        self._forces[: self._row] = memory["forces"]
+        self._motions[: self._row] = memory["motions"]
+
     def _evaluate(self) -> None:
         rows = self._row
         forces, motions = self._forces[:rows], self._motions[:rows]

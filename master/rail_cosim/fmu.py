@@ -239,9 +239,20 @@ class FmuSlave:
         """Release a handle of :meth:`save_state`."""
         self._call("freeFMUstate", state)
 
-    def state_size(self, state: ctypes.c_void_p) -> int:
-        """Return the length of a saved state in bytes, written out in full."""
-        return len(self._call("serializeFMUstate", state))
+    def state_bytes(self) -> bytes:
+        """Return a copy of the complete state, written out in full."""
+        state = self.save_state()
+        try:
+            return bytes(self._call("serializeFMUstate", state))
+        finally:
+            self.free_state(state)
+
+    def restore_bytes(self, data: bytes) -> None:
+        """Go back to a state that :meth:`state_bytes` wrote, perhaps in another process."""
+        state = self._call("deSerializeFMUstate", data)
+        self.restore_state(state)
+        self._check_held_error("fmi2SetFMUstate")
+        self.free_state(state)
 
     def take_warnings(self) -> list[str]:
         """Return warnings that were not returned before."""

@@ -54,6 +54,11 @@ class RunOptions:
         Record each step (1), each second (2), ...
     out, plot
         NetCDF file and picture to write; ``None`` for none.
+    resume
+        Go on where a run with the same options and ``out`` was stopped (see
+        :mod:`rail_cosim.checkpoint`).
+    checkpoint_interval
+        Seconds between two checkpoints of a run that has ``out``.
     command
         The command as typed, for the record.
     """
@@ -73,6 +78,8 @@ class RunOptions:
     record_every: int = 1
     out: Path | None = None
     plot: Path | None = None
+    resume: bool = False
+    checkpoint_interval: float = 60.0
     command: str = ""
 
     def __post_init__(self) -> None:
@@ -90,6 +97,7 @@ class RunOptions:
             ("--speed", self.speed, "km/h"),
             ("--until-steady", self.until_steady, ""),
             ("--final-speed", self.final_speed, "km/h"),
+            ("--checkpoint-interval", self.checkpoint_interval, "s"),
         )
         for name, value, unit in limits:
             if value is not None and not (math.isfinite(value) and value > 0.0):
@@ -99,6 +107,9 @@ class RunOptions:
             raise ParameterError("--final-speed", self.final_speed, limit, "omit --until-steady")
         if self.record_every < 1:
             raise ParameterError("--record-every", self.record_every, "must be at least 1")
+        if self.resume and self.out is None:
+            limit = "what was begun is found by its results"
+            raise ParameterError("--resume", True, limit, "give the --out of the run begun")
 
 
 _KINDS = {"float": "a number", "int": "a whole number", "str": "a text", "Path": "a path"}

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rail_cosim.errors import ParameterError
-from rail_cosim.summary import Summary, distances, spectrum
+from rail_cosim.summary import Summary, distances, last_records, spectrum
 
 # Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
@@ -36,6 +36,8 @@ def check_format(path: Path) -> None:
 def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
     """Draw a run to a file: the whole way, the last few metres, the spectrum.
 
+    Of a long run only what its figures are made of (:func:`rail_cosim.summary.last_records`).
+
     Parameters
     ----------
     dataset
@@ -46,6 +48,7 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
         The picture; its ending says the format (png, pdf, svg).
     """
     check_format(path)
+    dataset = last_records(dataset)
     figure = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplot_mosaic(

@@ -8,10 +8,11 @@ import math
 import os
 import re
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import numpy as np
 import xarray as xr
 
@@ -36,6 +37,8 @@ _DIMENSION = {
 _INDEXED = re.compile(
     r"^(?P<group>\w+)\[(?P<index>\d+)\]\.(?:(?P<side>left|right)\.)?(?P<rest>.+)$"
 )
+_PART = 32768
+"""Records in memory at a time while a long run is written."""
 LEADING_POSITION = "wheelset[1].longitudinal_position"
 
 
@@ -74,9 +77,14 @@ def _plain(name: str) -> str:
 
 
 def to_dataset(
-    system: SystemStructure, recorder: Recorder, attributes: Mapping[str, Any]
+    system: SystemStructure,
+    recorder: Recorder,
+    attributes: Mapping[str, Any],
+    *,
+    start: int = 0,
+    stop: int | None = None,
 ) -> xr.Dataset:
-    """Return what was recorded as a Dataset.
+    """Return what was recorded as a Dataset, in memory.
 
     Parameters
     ----------
@@ -86,12 +94,15 @@ def to_dataset(
         The records.
     attributes
         Attributes of the Dataset; truth values become 0 and 1.
+    start, stop
+        Which records; all by default.
     """
+    rows = recorder.rows(start, len(recorder) if stop is None else stop)
     # All at once: a Dataset that grows by one variable is merged anew each time.
     found: dict[str, xr.Variable] = {}
     in_use = _wheelsets_in_use(system)
     for slave in system.slaves:
-        names, values = recorder.values(slave.name)
+        names, values = recorder.names(slave.name), rows[:, recorder.columns(slave.name)]
         for variable, members in _group(names, in_use).items():
             key = f"{variable}_{slave.name}" if variable in found else variable
             about = slave.variables[names[members[0][0]]]
@@ -99,11 +110,12 @@ def to_dataset(
             whole = about.kind == "integer" and not np.isnan(array.to_numpy()).any()
             found[key] = array.astype(np.int32) if whole else array
         if LEADING_POSITION in names and "distance" not in found:
-            position = values[:, names.index(LEADING_POSITION)]
+            column = names.index(LEADING_POSITION)
+            origin = recorder.rows(0, 1)[:, recorder.columns(slave.name)][:, column].sum()
             meaning = "distance travelled by the leading wheelset"
             about = {"units": "m", "long_name": meaning}
-            found["distance"] = xr.Variable("time", position - position[:1].sum(), about)
-    times = xr.Variable("time", recorder.times, {"units": "s", "long_name": "time"})
+            found["distance"] = xr.Variable("time", values[:, column] - origin, about)
+    times = xr.Variable("time", rows[:, 0], {"units": "s", "long_name": "time"})
     dataset = xr.Dataset(found, coords={"time": times})
     return _with_coordinates(
         dataset.assign_attrs({k: _attribute(v) for k, v in attributes.items()})
@@ -162,7 +174,7 @@ def _attribute(value: Any) -> Any:
     return np.int8(value) if isinstance(value, bool) else value
 
 
-def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
+def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     """Write a Dataset to ``path``: the whole file or nothing.
 
     If the place cannot be written to, the file is saved in the temporary
@@ -173,12 +185,40 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
     ResultsError
         If it could not be written at ``path``; says where it is instead.
     """
+    return _written(path, lambda scratch: dataset.to_netcdf(scratch, engine="h5netcdf"))
+
+
+def stream_netcdf(
+    system: SystemStructure, recorder: Recorder, attributes: Mapping[str, Any], path: Path
+) -> Path:
+    """Write what was recorded to ``path`` part by part, in memory that does not depend on length.
+
+    Same content as :func:`write_netcdf` of :func:`to_dataset`; same errors.
+    """
+
+    def write(scratch: Path) -> None:
+        end = len(recorder)
+        first = to_dataset(system, recorder, attributes, stop=min(_PART, end))
+        first.to_netcdf(scratch, engine="h5netcdf", unlimited_dims=["time"])
+        with h5netcdf.File(scratch, "a") as file:
+            file.resize_dimension("time", end)
+            for start in range(_PART, end, _PART):
+                stop = min(start + _PART, end)
+                part = to_dataset(system, recorder, {}, start=start, stop=stop)
+                for name, values in part.variables.items():
+                    if "time" in values.dims:
+                        file.variables[str(name)][start:stop] = values.to_numpy()
+
+    return _written(path, write)
+
+
+def _written(path: Path, write: Callable[[Path], object]) -> Path:
     try:
-        _write(dataset, path)
+        _replaced(path, write)
     except OSError as error:
         rescue = Path(tempfile.gettempdir()) / f"{path.stem}-{os.getpid()}.nc"
         try:
-            _write(dataset, rescue)
+            _replaced(rescue, write)
         except OSError as second:
             raise ResultsError(
                 f"{path}: the results could not be written ({error}), nor to {rescue} ({second})"
@@ -186,12 +226,13 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> None:
         raise ResultsError(
             f"{path}: the results could not be written there ({error}); they are in {rescue}"
         ) from error
+    return path
 
 
-def _write(dataset: xr.Dataset, path: Path) -> None:
+def _replaced(path: Path, write: Callable[[Path], object]) -> None:
     scratch = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        dataset.to_netcdf(scratch, engine="h5netcdf")
+        write(scratch)
         os.replace(scratch, path)
     finally:
         scratch.unlink(missing_ok=True)
@@ -226,7 +267,7 @@ def check_netcdf(path: Path) -> None:
     check_writable(path)
     try:
         with tempfile.TemporaryDirectory(dir=path.parent) as scratch:
-            _write(xr.Dataset(attrs={"test": 1}), Path(scratch, "test.nc"))
+            xr.Dataset(attrs={"test": 1}).to_netcdf(Path(scratch, "test.nc"), engine="h5netcdf")
     except (ImportError, ValueError) as error:
         raise ResultsError(
             f"{path}: NetCDF cannot be written ({error}); install h5netcdf and h5py"

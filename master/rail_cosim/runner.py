@@ -21,6 +21,7 @@ from rail_cosim.attributes import (
     run_attributes,
 )
 from rail_cosim.builder import RECIPES, built_fmu
+from rail_cosim.checkpoint import INTERVAL
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import ParameterError, RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
@@ -33,7 +34,8 @@ from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import read_preset
 from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorder import Recorder
-from rail_cosim.results import check_netcdf, check_writable, to_dataset, write_netcdf
+from rail_cosim.results import check_netcdf, check_writable
+from rail_cosim.session import Session, begun_run
 from rail_cosim.simulation import Outcome, Simulation
 from rail_cosim.slave import Slave, Value
 from rail_cosim.ssp_reader import read_ssp
@@ -91,6 +93,8 @@ def run(
     record_every: int = 1,
     out: str | Path | None = None,
     plot: str | Path | None = None,
+    resume: bool = False,
+    checkpoint_interval: float = INTERVAL,
     reporter: Reporter | None = None,
 ) -> xr.Dataset:
     """Run vehicle and track and return what was recorded; mirrors ``rail-cosim run``.
@@ -99,7 +103,7 @@ def run(
     ----------
     system, line, vehicle, track, distance, until_steady
         As in :class:`RunOptions`.
-    macro_step, algorithm, record_every, out, plot
+    macro_step, algorithm, record_every, out, plot, resume, checkpoint_interval
         As in :class:`RunOptions`.
     speed, final_speed
         In km/h, as on the command line.
@@ -134,6 +138,8 @@ def run(
         record_every=record_every,
         out=None if out is None else Path(out),
         plot=None if plot is None else Path(plot),
+        resume=resume,
+        checkpoint_interval=checkpoint_interval,
         command=shlex.join(sys.argv),
     )
     return execute(options, reporter or Quiet())
@@ -158,9 +164,6 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         descriptions, presets = find_fmus(options)
         parameters = gather_parameters(options, descriptions, presets)
     dataset, outcome = simulate(options, descriptions, parameters, reporter)
-    if options.out:
-        reporter.stage(f"writing {options.out}")
-        write_netcdf(dataset, options.out)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)
     if isinstance(outcome.error, KeyboardInterrupt):
@@ -239,7 +242,7 @@ def simulate(
     parameters: Mapping[str, Mapping[str, Value]],
     reporter: Reporter,
 ) -> tuple[xr.Dataset, Outcome]:
-    """Run two FMUs with checked parameters; return the records, and how it ended.
+    """Run two FMUs with checked parameters; write the results; return them, and how it ended.
 
     Raises
     ------
@@ -247,6 +250,7 @@ def simulate(
         If it cannot start; what happens in a step is in the outcome.
     """
     algorithm = make_algorithm(options.algorithm)
+    begun = begun_run(options)
     with contextlib.ExitStack() as stack:
         note = stack.enter_context(InterruptNote())
         reporter.stage("loading the FMUs")
@@ -269,21 +273,23 @@ def simulate(
             reporter.notice(remark)
         _pass_on_warnings(slaves, reporter)
         speed = running_speed(system)
-        recorder = Recorder(system.ports, every=options.record_every)
-        step_size = _step_size(options, system, speed)
-        ramp = _ramp(options, system, speed)
-        simulation = Simulation(system, algorithm, recorder, step_size=step_size, driver=ramp)
+        session = Session(options, system, {slave.name: slave for slave in slaves}, begun)
+        simulation = Simulation(
+            system,
+            algorithm,
+            session.recorder,
+            step_size=(step_size := _step_size(options, system, speed)),
+            driver=(ramp := _ramp(options, system, speed)),
+            stop=_stop_rule(options, system, session.recorder, speed, step_size),
+        )
+        session.go_on(simulation)
         steps = step_count(options.distance, speed, step_size)
         if ramp is not None:
             steps = ramp.step_count(step_size)
-        stop = None
-        if tolerance := options.until_steady:
-            about = {"tolerance": tolerance, "speed": speed, "step_size": step_size}
-            stop = SteadyState(system, recorder, **about)
         # Read now: after an error the FMUs answer no more.
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
         reporter.stage("stepping")
-        outcome = simulation.run(steps, note=note, progress=reporter.progress, stop=stop)
+        outcome = simulation.run(steps, note=note, progress=reporter.progress, watch=session)
         _pass_on_warnings(slaves, reporter)
         attributes = {
             **run_attributes(outcome, algorithm, options.command),
@@ -293,7 +299,23 @@ def simulate(
             **{k: v for slave in slaves for k, v in fmu_attributes(slave).items()},
             **fixed,
         }
-        return to_dataset(system, recorder, attributes), outcome
+        if options.out:
+            reporter.stage(f"writing {options.out}")
+        return session.finish(simulation, outcome, attributes), outcome
+
+
+def _stop_rule(
+    options: RunOptions,
+    system: SystemStructure,
+    recorder: Recorder,
+    speed: float,
+    step_size: float,
+) -> SteadyState | None:
+    if options.until_steady is None:
+        return None
+    return SteadyState(
+        system, recorder, tolerance=options.until_steady, speed=speed, step_size=step_size
+    )
 
 
 def _ramp(options: RunOptions, system: SystemStructure, speed: float) -> SpeedRamp | None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rail_cosim.algorithms import Algorithm
 from rail_cosim.energy import EnergyReport, InterfaceEnergy
@@ -32,6 +33,14 @@ class StopRule(Protocol):
 
     next_step: int
 
+    def memory(self) -> dict[str, NDArray]:
+        """Return what it remembers."""
+        ...
+
+    def recall(self, memory: Mapping[str, NDArray]) -> None:
+        """Take back what :meth:`memory` returned."""
+        ...
+
     @property
     def report(self) -> SteadyReport:
         """What it found."""
@@ -50,6 +59,14 @@ class Driver(Protocol):
         ...
 
 
+class Watch(Protocol):
+    """Is told between two steps, every so often, that the run goes on."""
+
+    def offer(self, simulation: Simulation) -> None:
+        """Do what is due; the slaves may be asked for their states, and nothing else."""
+        ...
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Outcome:
     """How a run ended.
@@ -64,6 +81,8 @@ class Outcome:
         What ended it early, ``None`` for nothing; ``KeyboardInterrupt`` for the user.
     wall, cpu
         Time spent stepping, in s.
+    begun
+        Steps that were done before: those of a run that is continued.
     energy
         The interface's energy defect.
     steady
@@ -76,6 +95,7 @@ class Outcome:
     error: RailCosimError | KeyboardInterrupt | None
     wall: float
     cpu: float
+    begun: int
     energy: EnergyReport
     steady: SteadyReport | None = None
 
@@ -92,7 +112,8 @@ class Outcome:
     @property
     def real_time_factor(self) -> float:
         """Simulated over wall-clock seconds."""
-        return self.simulated / self.wall if self.wall > 0.0 else 0.0
+        done = (self.steps - self.begun) * self.step_size
+        return done / self.wall if self.wall > 0.0 else 0.0
 
 
 class Simulation:
@@ -106,6 +127,8 @@ class Simulation:
         Macro step in s.
     driver
         Sets inputs of slaves before each step; ``None`` for nothing.
+    stop
+        Ends the run before all its steps are done; ``None`` for nothing.
     """
 
     def __init__(
@@ -116,9 +139,10 @@ class Simulation:
         *,
         step_size: float,
         driver: Driver | None = None,
+        stop: StopRule | None = None,
     ) -> None:
-        self._system, self._algorithm, self._recorder = system, algorithm, recorder
-        self._step_size, self._driver = step_size, driver
+        self._system, self._algorithm, self.recorder = system, algorithm, recorder
+        self._step_size, self._driver, self._stop = step_size, driver, stop
         times = algorithm.input_times([slave.name for slave in system.slaves])
         self._energy = InterfaceEnergy(system, times, step_size)
         self._done = 0
@@ -129,9 +153,9 @@ class Simulation:
         *,
         note: InterruptNote | None = None,
         progress: Progress = lambda done, planned: None,
-        stop: StopRule | None = None,
+        watch: Watch | None = None,
     ) -> Outcome:
-        """Do ``steps`` macro steps, or as many as can be done, or until ``stop`` says so.
+        """Go on until ``steps`` macro steps are done in all, or as many as can be done.
 
         Never raises for what happens in a step: a slave's error, a value that
         is no longer finite and Ctrl-C are in the outcome, so that the records
@@ -139,9 +163,11 @@ class Simulation:
         """
         note = note or InterruptNote()
         error: RailCosimError | KeyboardInterrupt | None = None
+        stop, begun = self._stop, self._done
         wall, cpu = clock.perf_counter(), clock.process_time()
         try:
-            self._recorder.record(0.0)
+            if self._done == 0 and len(self.recorder) == 0:
+                self.recorder.record(0.0)
             while self._done < steps:
                 until = min(steps, self._done + _BLOCK, stop.next_step if stop else steps)
                 self._block(until - self._done, note)
@@ -149,6 +175,8 @@ class Simulation:
                 progress(self._done, steps)
                 if stop and self._done == stop.next_step and stop.check():
                     break
+                if watch is not None:
+                    watch.offer(self)
         except (RailCosimError, KeyboardInterrupt) as caught:
             error = caught
         return Outcome(
@@ -158,13 +186,47 @@ class Simulation:
             error=error,
             wall=clock.perf_counter() - wall,
             cpu=clock.process_time() - cpu,
+            begun=begun,
             energy=self._energy.report(),
             steady=stop.report if stop else None,
         )
 
+    def memory(self) -> dict[str, NDArray]:
+        """Return all that the coming steps depend on, but for the slaves' own states.
+
+        Arrays by name; between two steps only.
+        """
+        own: dict[str, NDArray] = {"done": np.array(self._done)}
+        for port in self._system.ports:
+            own[f"{port.slave.name}.outputs"] = port.outputs.values.copy()
+            own[f"{port.slave.name}.counters"] = port.counters.values.copy()
+        parts = {"energy": self._energy, "algorithm": self._algorithm, "stop": self._stop}
+        for name, part in parts.items():
+            if part is not None:
+                own |= {f"{name}.{key}": value for key, value in part.memory().items()}
+        return own
+
+    def recall(self, memory: Mapping[str, NDArray]) -> None:
+        """Take back what :meth:`memory` returned."""
+        self._done = int(memory["done"])
+        for port in self._system.ports:
+            port.outputs.values[:] = memory[f"{port.slave.name}.outputs"]
+            port.counters.values[:] = memory[f"{port.slave.name}.counters"]
+        parts = {"energy": self._energy, "algorithm": self._algorithm, "stop": self._stop}
+        for name, part in parts.items():
+            if part is not None:
+                prefix = f"{name}."
+                part.recall(
+                    {
+                        key.removeprefix(prefix): value
+                        for key, value in memory.items()
+                        if key.startswith(prefix)
+                    }
+                )
+
     def _block(self, count: int, note: InterruptNote) -> None:
         ports, step_size = self._system.ports, self._step_size
-        recorder, algorithm, energy = self._recorder, self._algorithm, self._energy
+        recorder, algorithm, energy = self.recorder, self._algorithm, self._energy
         for step in range(self._done + 1, self._done + count + 1):
             note.check()
             due = recorder.due(step)

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,6 +107,16 @@ class SteadyState:
         """What was found so far."""
         steady = self._passed >= _IN_A_ROW
         return SteadyReport(tolerance=self._tolerance, change=self._change, steady=steady)
+
+    def memory(self) -> dict[str, NDArray[np.float64]]:
+        """Return what it remembers."""
+        return {"found": np.array([self._pitches, self._passed, self._change])}
+
+    def recall(self, memory: Mapping[str, NDArray[np.float64]]) -> None:
+        """Take back what :meth:`memory` returned."""
+        pitches, passed, change = memory["found"]
+        self._pitches, self._passed, self._change = int(pitches) - 1, int(passed), float(change)
+        self._after_next()
 
     def check(self) -> bool:
         """Compare the last two pitches; call it when step ``next_step`` is recorded."""

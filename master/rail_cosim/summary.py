@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 SETTLED_SHARE = 0.5
+LONGEST = 200_000
+"""Records of a long run that are looked at."""
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -82,7 +84,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
 
     The first half of the way is left to the initial transients; of the rest
     the last whole number of slab lengths is evaluated, or of bays where it is
-    shorter than a slab.
+    shorter than a slab. Of a long run only the last records count (:func:`last_records`).
 
     Raises
     ------
@@ -91,6 +93,7 @@ def summarise(dataset: xr.Dataset) -> Summary:
     """
     if dataset.sizes.get("time", 0) < 2:
         raise ValueError("the run has fewer than two records; there is nothing to summarise")
+    dataset = last_records(dataset)
     time = dataset["time"].to_numpy()
     distance = distances(dataset)
     bay, slab = periods(dataset)
@@ -117,6 +120,13 @@ def summarise(dataset: xr.Dataset) -> Summary:
         acceleration_slab=acceleration_amplitudes[1],
         dominant_frequency=dominant_frequency(time[rows], acceleration),
     )
+
+
+def last_records(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the last :data:`LONGEST` records of a run, all of a shorter one."""
+    if dataset.sizes.get("time", 0) <= LONGEST:
+        return dataset
+    return dataset.isel(time=slice(-LONGEST, None))
 
 
 def distances(dataset: xr.Dataset) -> Array:

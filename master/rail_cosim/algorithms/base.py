@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, Protocol
+
+from numpy.typing import NDArray
 
 from rail_cosim.exchange import Port
 
@@ -35,3 +37,22 @@ class Algorithm(Protocol):
     def report(self) -> dict[str, float]:
         """Return figures of the algorithm's own for the run's attributes."""
         ...
+
+    def memory(self) -> dict[str, NDArray]:
+        """Return what it remembers from step to step, arrays by name."""
+        ...
+
+    def recall(self, memory: Mapping[str, NDArray]) -> None:
+        """Take back what :meth:`memory` returned."""
+        ...
+
+
+class Forgetful:
+    """An algorithm that remembers nothing from step to step."""
+
+    def memory(self) -> dict[str, NDArray]:
+        """Return nothing."""
+        return {}
+
+    def recall(self, memory: Mapping[str, NDArray]) -> None:
+        """Take back nothing."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from rail_cosim.algorithms.base import STEP_END, STEP_START
+from rail_cosim.algorithms.base import STEP_END, STEP_START, Forgetful
 from rail_cosim.exchange import Port
 
 
-class GaussSeidel:
+class GaussSeidel(Forgetful):
     """One slave after the other, each with the newest outputs of the others.
 
     With the track first it extrapolates the smooth wheelset motion, and the

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -98,3 +98,14 @@ class IterativeGaussSeidel:
     def report(self) -> dict[str, float]:
         """Return the mean number of passes per step."""
         return {"passes_per_step": self._passes / self._steps if self._steps else 0.0}
+
+    def memory(self) -> dict[str, NDArray]:
+        """Return the inputs of the step before, and the counts."""
+        previous = np.empty(0) if self._previous is None else self._previous
+        return {"previous": previous, "counts": np.array([self._steps, self._passes])}
+
+    def recall(self, memory: Mapping[str, NDArray]) -> None:
+        """Take back what :meth:`memory` returned."""
+        previous = np.array(memory["previous"])
+        self._previous = previous if previous.size else None
+        self._steps, self._passes = (int(count) for count in memory["counts"])

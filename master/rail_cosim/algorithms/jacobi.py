@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
-from rail_cosim.algorithms.base import STEP_START
+from rail_cosim.algorithms.base import STEP_START, Forgetful
 from rail_cosim.exchange import Port
 
 
-class Jacobi:
+class Jacobi(Forgetful):
     """All slaves from the same instant, as most co-simulation tools do.
 
     Every slave extrapolates its inputs over the step. Calls per step: set the

@@ -170,7 +170,7 @@ def _state_size(options: RunOptions) -> int:
         track.enter_initialization()
         track.exit_initialization()
         state = track.save_state()
-        size = track.state_size(state)
+        size = len(track.state_bytes())
         track.free_state(state)
     return size
 
