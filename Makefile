@@ -10,7 +10,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: run test test-slow lint build setup clean
+.PHONY: run test test-slow soak lint build setup clean
 
 setup: $(STAMP)
 
@@ -37,6 +37,10 @@ test: $(TOOLS)
 
 test-slow: $(TOOLS)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m slow
+
+# 100 km in one go: memory and drift; half an hour.
+soak: $(STAMP)
+	$(BIN)/python benchmarks/soak.py --kilometres 100 --out results/soak
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -30,7 +30,7 @@ from rail_cosim.simulation import Simulation
 FORMAT = 1
 INTERVAL = 60.0
 """Seconds between two checkpoints."""
-_FREE = ("out", "plot", "command", "distance", "resume", "checkpoint_interval")
+_FREE = ("out", "plot", "command", "resume", "checkpoint_interval")
 
 
 class CheckpointError(RailCosimError):
@@ -50,8 +50,13 @@ def records_path(out: Path) -> Path:
 
 
 def fixed_options(options: RunOptions) -> dict[str, Any]:
-    """Return the options that a continued run must have in common with the one begun."""
+    """Return the options that a continued run must have in common with the one begun.
+
+    It may go further than planned, unless the distance decides about the way itself.
+    """
     values = dataclasses.asdict(options)
+    if options.final_speed is None and options.irregularity is None:
+        del values["distance"]
     fixed = {name: value for name, value in values.items() if name not in _FREE}
     return {
         name: list(value)
@@ -201,7 +206,9 @@ class Keeper:
         """
         recorder = simulation.recorder
         recorder.flush()
-        arrays = {f"memory.{name}": value for name, value in simulation.memory().items()}
+        arrays: dict[str, Any] = {
+            f"memory.{name}": value for name, value in simulation.memory().items()
+        }
         for name, slave in self._slaves.items():
             arrays[f"state.{name}"] = np.frombuffer(slave.state_bytes(), dtype=np.uint8)
         about = {
@@ -213,7 +220,7 @@ class Keeper:
         scratch = self._path.with_name(f".{self._path.name}.{os.getpid()}.part")
         try:
             with open(scratch, "wb") as file:
-                np.savez(file, about=np.array(json.dumps(about)), **arrays)
+                np.savez(file, allow_pickle=False, about=np.array(json.dumps(about)), **arrays)
                 file.flush()
                 os.fsync(file.fileno())
             os.replace(scratch, self._path)

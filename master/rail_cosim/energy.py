@@ -103,12 +103,23 @@ class InterfaceEnergy:
         self._store(self._row)
         self._row += 1
         if self._row == _BLOCK + 2:
-            self._evaluate()
+            self._report = self.report()
+            last = slice(self._row - 2, self._row)
+            self._forces[:2], self._motions[:2] = self._forces[last], self._motions[last]
+            self._row = 2
 
     def report(self) -> EnergyReport:
         """Return what has been accumulated so far."""
-        self._evaluate()
-        return self._report
+        rows = self._row
+        forces, motions = self._forces[:rows], self._motions[:rows]
+        given = self._work(forces, self._assume_motion(motions))
+        received = self._work(motions, self._assume_force(forces))
+        defect = received - given
+        return EnergyReport(
+            defect=self._report.defect + float(defect.sum()),
+            absolute_defect=self._report.absolute_defect + float(np.abs(defect).sum()),
+            exchanged=self._report.exchanged + float(np.abs(received).sum()),
+        )
 
     def memory(self) -> dict[str, Array]:
         """Return what it remembers, as arrays by name."""
@@ -122,26 +133,10 @@ class InterfaceEnergy:
     def recall(self, memory: Mapping[str, Array]) -> None:
         """Take back what :meth:`memory` returned."""
         defect, absolute, exchanged = (float(value) for value in memory["totals"])
-        self._report = EnergyReport(
-            defect=defect, absolute_defect=absolute, exchanged=exchanged
-        )
+        self._report = EnergyReport(defect=defect, absolute_defect=absolute, exchanged=exchanged)
         self._row = len(memory["forces"])
         self._forces[: self._row] = memory["forces"]
         self._motions[: self._row] = memory["motions"]
-
-    def _evaluate(self) -> None:
-        rows = self._row
-        forces, motions = self._forces[:rows], self._motions[:rows]
-        given = self._work(forces, self._assume_motion(motions))
-        received = self._work(motions, self._assume_force(forces))
-        defect = received - given
-        self._report = EnergyReport(
-            defect=self._report.defect + float(defect.sum()),
-            absolute_defect=self._report.absolute_defect + float(np.abs(defect).sum()),
-            exchanged=self._report.exchanged + float(np.abs(received).sum()),
-        )
-        self._forces[:2], self._motions[:2] = forces[-2:].copy(), motions[-2:].copy()
-        self._row = 2
 
     def _work(self, own: Array, assumed: tuple[Array, Array]) -> Array:
         """Work in each step, shape (steps,), by the trapezoidal rule."""

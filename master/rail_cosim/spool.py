@@ -42,7 +42,7 @@ class Spool:
         self._row_bytes = 8 * width
         self._count = rows
         try:
-            self._file = open(path, "r+b" if rows else "ab")  # noqa: SIM115 - lives as long as self
+            self._file = open(path, "r+b" if rows else "ab", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise ResultsError(f"{path}: the records cannot be kept there ({error})") from error
         try:
@@ -78,8 +78,9 @@ class Spool:
         """
         place = self._count * self._row_bytes
         try:
-            self._file.write(np.ascontiguousarray(rows).data)
-            self._file.flush()
+            left = np.ascontiguousarray(rows).data.cast("B")
+            while left:
+                left = left[self._file.write(left) :]
         except OSError as error:
             with contextlib.suppress(OSError):
                 os.ftruncate(self._file.fileno(), place)

@@ -10,7 +10,16 @@ from master_mocks import MockSlave, variable
 from rail_cosim import results
 from rail_cosim.errors import ResultsError
 from rail_cosim.recorder import Recorder
-from rail_cosim.results import Place, check_netcdf, check_writable, place, to_dataset, write_netcdf
+from rail_cosim.results import (
+    Place,
+    check_netcdf,
+    check_writable,
+    place,
+    stream_netcdf,
+    to_dataset,
+    write_netcdf,
+)
+from rail_cosim.spool import Spool
 from rail_cosim.system import SystemStructure
 
 
@@ -59,6 +68,11 @@ def test_place_of_an_output(name, expected):
 
 
 def recorded(attributes=None):
+    """Return the Dataset of :func:`records`."""
+    return to_dataset(*records(), attributes or {})
+
+
+def records(count=3, spool=None):
     """Two wheelsets; output number k of a slave has the value 100 k + record."""
     outputs = [
         variable("wheelset[1].longitudinal_position", unit="m", description="position"),
@@ -71,15 +85,17 @@ def recorded(attributes=None):
     first = MockSlave("vehicle", [*outputs, variable("in", "input")])
     second = MockSlave("track", [variable("in"), variable("both")])
     system = SystemStructure([first, second])
-    recorder = Recorder(system.ports)
-    for record in range(3):
+    if spool is not None:
+        spool = Spool(spool, Recorder(system.ports).width)
+    recorder = Recorder(system.ports, spool=spool)
+    for record in range(count):
         for slave in system.slaves:
             for number, name in enumerate(slave.data):
                 slave.data[name] = 100.0 * number + record
         for port in system.ports:
             port.outputs.read()
         recorder.record(0.5 * record)
-    return to_dataset(system, recorder, attributes or {})
+    return system, recorder
 
 
 def test_content_of_the_dataset():
@@ -124,6 +140,27 @@ def test_netcdf_round_trip_with_all_attributes(tmp_path):
         assert read.attrs["track.count"] == 8
         assert read["normal_force"].attrs["units"] == "N"
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
+
+
+def test_a_long_run_is_written_in_parts_with_the_same_content(tmp_path, monkeypatch):
+    monkeypatch.setattr(results, "_PART", 1000)
+    system, recorder = records(9500, spool=tmp_path / "records")
+    stream_netcdf(system, recorder, {"run": 1}, tmp_path / "run.nc")
+    with xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as read:
+        xr.testing.assert_identical(read.load(), to_dataset(system, recorder, {"run": 1}))
+        assert read["distance"].to_numpy().tolist() == list(range(9500))
+        assert read["time"].to_numpy().tolist() == [0.5 * record for record in range(9500)]
+
+
+def test_records_are_the_same_in_memory_and_on_disk(tmp_path):
+    (_, memory), (_, disk) = records(9500), records(9500, spool=tmp_path / "records")
+    assert len(memory) == len(disk) == 9500
+    for start, stop in ((0, 9500), (4090, 8200), (8192, 8193), (9000, 9500), (0, 1)):
+        assert np.array_equal(memory.rows(start, stop), disk.rows(start, stop))
+    for count in (1, 2000, 9499, 20000):
+        one, other = memory.latest("vehicle", [0, 1], count), disk.latest("vehicle", [0, 1], count)
+        assert len(one) == min(count, 9500)
+        assert np.array_equal(one, other)
 
 
 def test_a_failed_write_leaves_the_old_file_as_it_was(tmp_path, monkeypatch):

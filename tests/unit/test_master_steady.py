@@ -5,6 +5,7 @@ import math
 import master_mocks as mocks
 import numpy as np
 import pytest
+from rail_cosim.algorithms.base import Forgetful
 from rail_cosim.errors import ParameterError
 from rail_cosim.recorder import Recorder
 from rail_cosim.simulation import Simulation
@@ -83,7 +84,7 @@ def settling(*, tolerance, spacing=True, output="wheelset[1].left.normal_force")
     return system, recorder, rule
 
 
-class Stepping:
+class Stepping(Forgetful):
     def input_times(self, names):
         return dict.fromkeys(names, "step_start")
 
@@ -94,7 +95,7 @@ class Stepping:
 
 
 def run(system, recorder, rule, steps):
-    return Simulation(system, Stepping(), recorder, step_size=2e-3).run(steps, stop=rule)
+    return Simulation(system, Stepping(), recorder, step_size=2e-3, stop=rule).run(steps)
 
 
 def expected_change(pitch):

@@ -19,7 +19,7 @@ from rail_cosim.cli.application import (
     show,
     typed_command,
 )
-from rail_cosim.errors import RunError
+from rail_cosim.errors import RunError, RunInterrupted
 
 if TYPE_CHECKING:
     from rail_cosim.options import RunOptions
@@ -116,6 +116,20 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(help="Picture: .png, .pdf or .svg.", metavar="FILE")
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", help="Go on where the same command with the same --out was stopped."
+        ),
+    ] = False,
+    checkpoint_interval: Annotated[
+        float,
+        typer.Option(
+            help="Time between two checkpoints beside --out, from which --resume goes on after "
+            "a crash; Ctrl-C makes one too.",
+            metavar="S",
+        ),
+    ] = 60.0,
     case: Annotated[
         Path | None,
         typer.Option(
@@ -137,7 +151,7 @@ def run(
     command line wins.
 
     Ctrl-C ends the run after its step; what was recorded is written and marked
-    incomplete.
+    incomplete, and the same command with --resume goes on from there.
     """
     values = given(
         context,
@@ -157,6 +171,8 @@ def run(
             "record_every": record_every,
             "out": out,
             "plot": plot,
+            "resume": resume,
+            "checkpoint_interval": checkpoint_interval,
         },
     )
     with plain_errors():
@@ -191,7 +207,7 @@ def _run(options: RunOptions) -> None:
             dataset = execute(options, terminal)
     except RunError as error:
         _summary(error.dataset)
-        _kept(options.out)
+        _kept(options.out, error)
         raise
     _summary(dataset)
 
@@ -204,6 +220,10 @@ def _summary(dataset) -> None:
         show(summary_table(summarise(dataset), dataset))
 
 
-def _kept(out: Path | None) -> None:
+def _kept(out: Path | None, error: RunError) -> None:
+    from rail_cosim.checkpoint import checkpoint_path
+
     if out is not None:
         remark(f"what was recorded is in {out}, marked incomplete")
+        if isinstance(error, RunInterrupted) and checkpoint_path(out).exists():
+            remark("the same command with --resume goes on from there")

@@ -169,10 +169,7 @@ def _state_size(options: RunOptions) -> int:
         track.setup(0.0, 1.0)
         track.enter_initialization()
         track.exit_initialization()
-        state = track.save_state()
-        size = len(track.state_bytes())
-        track.free_state(state)
-    return size
+        return len(track.state_bytes())
 
 
 def as_dataset(found: Mapping[str, Measured]) -> xr.Dataset:
