@@ -66,6 +66,7 @@ def test_ctrl_c_keeps_what_was_recorded(fmus, tmp_path):
     assert "Traceback" not in text
     assert "stopped by the user" in text
     assert "marked incomplete" in text
+    assert "--resume goes on from there" in text
     with xr.open_dataset(file, engine="h5netcdf") as data:
         about = data.attrs
         assert about["complete"] == 0
@@ -73,4 +74,5 @@ def test_ctrl_c_keeps_what_was_recorded(fmus, tmp_path):
         assert 0 < about["steps"] < about["steps_planned"]
         assert data.sizes["time"] == about["steps"] + 1
         assert np.isfinite(data["normal_force"]).all()
-    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+    beside = ["run.nc", "run.nc.checkpoint", "run.nc.records"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == beside

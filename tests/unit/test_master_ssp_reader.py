@@ -2,6 +2,7 @@
 
 import re
 import zipfile
+from pathlib import Path
 
 import pytest
 from described_fmus import MOTION, fmu, track, vehicle
@@ -184,7 +185,9 @@ def test_missing_and_broken_files_are_named(package, tmp_path):
         read_ssp(tmp_path / "none.ssp")
 
 
-@pytest.mark.parametrize("option", ["line", "vehicle", "track"])
-def test_a_package_and_options_for_its_parts_exclude_each_other(package, option):
+@pytest.mark.parametrize(
+    ("option", "value"), [("line", "x"), ("vehicle", "x"), ("track", Path("x"))]
+)
+def test_a_package_and_options_for_its_parts_exclude_each_other(package, option, value):
     with pytest.raises(ParameterError, match=rf"--{option} = 'x': .* has vehicle, track"):
-        RunOptions(system=package, **{option: "x"})
+        RunOptions(system=package, **{option: value})
