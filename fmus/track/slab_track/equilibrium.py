@@ -116,7 +116,7 @@ def contact_at(
     if not inside:
         raise TrackError(BESIDE_THE_RAILS)
     wheels.normal[:], wheels.creep[:] = wheels.forces[..., 0], wheels.forces[..., 2]
-    wheels.rail[:] = rails
+    wheels.rail[:], wheels.earlier_force[:] = rails, wheels.rail_force
     return wheels
 
 

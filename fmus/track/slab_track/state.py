@@ -37,6 +37,7 @@ _HEAD = 7
     RATES_SEEN,
     ROW,
     RAIL_FORCE,
+    EARLIER_FORCE,
     NORMAL,
     CREEP,
     RAIL,
@@ -52,7 +53,7 @@ _HEAD = 7
     SLAB_A,
     RESIDUAL_A,
     LATERAL,
-) = range(22)
+) = range(23)
 """Numbers of the parts that are arrays, in their order in the vector."""
 
 
@@ -79,8 +80,9 @@ class WheelState(NamedTuple):
 
     Attributes
     ----------
-    rail_force
-        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3).
+    rail_force, earlier_force
+        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3), now and an internal
+        step before.
     normal, creep
         Normal and lateral creep force of the patches (tread, flange), (wheels, 2, 2), N.
     rail
@@ -92,6 +94,7 @@ class WheelState(NamedTuple):
     """
 
     rail_force: np.ndarray
+    earlier_force: np.ndarray
     normal: np.ndarray
     creep: np.ndarray
     rail: np.ndarray
@@ -104,6 +107,7 @@ class WheelState(NamedTuple):
         """Return wheels without any force."""
         return cls(
             rail_force=np.zeros((wheels, 2, 3)),
+            earlier_force=np.zeros((wheels, 2, 3)),
             normal=np.zeros((wheels, 2, 2)),
             creep=np.zeros((wheels, 2, 2)),
             rail=np.zeros((wheels, 2, 6)),
@@ -141,6 +145,7 @@ class StateLayout:
             (5,),
             (w, len(MOTION)),
             (w, 2, 3),
+            (w, 2, 3),
             (w, 2, 2),
             (w, 2, 2),
             (w, 2, 6),
@@ -177,7 +182,16 @@ def _arrays(kind: Any, parts: tuple[int, ...]) -> Any:
     return property(lambda self: kind(*(self.layout.view(self.vector, part) for part in parts)))
 
 
-_WHEEL_PARTS = (RAIL_FORCE, NORMAL, CREEP, RAIL, WHEELSET, LOCATED_PATCHES, PATCH_FORCES)
+_WHEEL_PARTS = (
+    RAIL_FORCE,
+    EARLIER_FORCE,
+    NORMAL,
+    CREEP,
+    RAIL,
+    WHEELSET,
+    LOCATED_PATCHES,
+    PATCH_FORCES,
+)
 
 
 class TrackState:

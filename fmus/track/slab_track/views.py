@@ -5,9 +5,11 @@ import math
 import numpy as np
 
 from slab_track.compiled import kernel
+from slab_track.contact.wheelset import FORCED, LOCATED
 from slab_track.interaction import Wheels
 from slab_track.state import (
     CREEP,
+    EARLIER_FORCE,
     FASTENER_FORCE,
     LOCATED_PATCHES,
     NORMAL,
@@ -34,12 +36,13 @@ def wheels_of(new, starts, count):
     """Return the :class:`slab_track.interaction.Wheels` of a state's vector."""
     return Wheels(
         part(new, starts, RAIL_FORCE).reshape((count, 2, 3)),
+        part(new, starts, EARLIER_FORCE).reshape((count, 2, 3)),
         part(new, starts, NORMAL).reshape((count, 2, 2)),
         part(new, starts, CREEP).reshape((count, 2, 2)),
         part(new, starts, RAIL).reshape((count, 2, 6)),
         part(new, starts, WHEELSET).reshape((count, 6)),
-        part(new, starts, LOCATED_PATCHES).reshape((count, 2, 2, 13)),
-        part(new, starts, PATCH_FORCES).reshape((count, 2, 2, 9)),
+        part(new, starts, LOCATED_PATCHES).reshape((count, 2, 2, LOCATED)),
+        part(new, starts, PATCH_FORCES).reshape((count, 2, 2, FORCED)),
     )
 
 

@@ -6,7 +6,10 @@ other through rails and slabs within one step is tiny and is swept a few times.
 
 Along the normal of each patch Hertz's law is solved by Newton's method. Across it, the creep
 force falls with the slip that it causes: a plain iteration would diverge at low
-speed, so the change is divided by 1 + D c, with Kalker's slope D and the mobility c of the rail.
+speed. Its slope lies between rD and D, with Kalker's slope D and the part r of it that FASTSIM's
+adhering particles account for. So with the mobility c of the rail the change, seen at the old
+force, is to be divided by a number between 1 + rDc and 1 + Dc: the middle of both quotients is
+taken, half their distance is the error.
 """
 
 import math
@@ -17,6 +20,7 @@ from slab_track.compiled import entry, kernel
 from slab_track.contact.wheelset import (
     ANGLE,
     C22,
+    HELD,
     LATERAL_FORCE,
     PENETRATION,
     RAIL_ARM_Y,
@@ -208,19 +212,19 @@ def solve_wheel(
             patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
             if normal[patch] > 0.0:
                 change = answer[LATERAL_FORCE] - creep[patch]
-                fall = 1.0 + _damping(tables, motion, mobility, row, answer)
+                damping = _damping(tables, motion, mobility, row, answer)
+                most, least = 1.0 / (1.0 + answer[HELD] * damping), 1.0 / (1.0 + damping)
+                part, unsure = 0.5 * (most + least), 0.5 * (most - least)
                 apart, turn = creep[patch] - last[patch, 0], change - last[patch, 1]
-                if round_ > 0 and turn * apart < 0.0:
-                    # Steeper than Kalker's slope, as on a flange: the slope seen.
-                    fall = max(fall, -turn / apart)
+                if round_ > 0 and -turn * apart * least > apart * apart:
+                    # Steeper than Kalker's slope, as on a flange: the slope seen. FASTSIM's own
+                    # force may jump by a per cent where a strip begins to slip earlier: then any
+                    # value in the jump is true.
+                    part = -apart / turn
+                    unsure = part if part * _STEEPEST < 1.0 else 1.0 - part
                 last[patch, 0], last[patch, 1] = creep[patch], change
-                creep[patch] += change / fall
-                # The true force lies between both values. FASTSIM's own force may jump by a per
-                # cent where a strip begins to slip earlier: then any value in the jump is true.
-                if fall < _STEEPEST:
-                    error = max(error, abs(answer[LATERAL_FORCE] - creep[patch]))
-                else:
-                    error = max(error, abs(change / fall))
+                creep[patch] += part * change
+                error = max(error, unsure * abs(change))
                 answer[LATERAL_FORCE] = creep[patch]
                 moved = abs(rail[0] - y) + abs(row[RAIL_ARM_Z] * (rail[2] - roll))
                 error = max(error, moved / _SHIFT * _TOLERANCE)

@@ -48,7 +48,8 @@ _LANES = 8
 """Strips that are computed side by side: constant, so that the compiler uses vectors."""
 
 # Rows of the working array: what is known of each strip while it is stepped through.
-_HALF, _EDGE, _MIDDLE, _LENGTH, _SLIP, _P_X, _P_Y, _SUM_X, _SUM_Y, _SUM_M = range(10)
+_HALF, _EDGE, _MIDDLE, _LENGTH, _SLIP, _P_X, _P_Y, _SUM_X, _SUM_Y, _SUM_M, _HELD = range(11)
+_ROWS = 11
 
 
 class FastsimGrid(NamedTuple):
@@ -114,17 +115,22 @@ def fastsim(
     -------
     Longitudinal force (N), lateral force (N), moment about the contact normal (N.m).
     """
-    return creep_forces(
+    t_x, t_y, moment, _ = creep_forces(
         fastsim_grid(columns, strips),
         normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi,
     )  # fmt: skip
+    return t_x, t_y, moment
 
 
 @entry
 def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi):
-    """As :func:`fastsim`, on a grid made before."""
+    """As :func:`fastsim`, on a grid made before.
+
+    A fourth value is the part of Kalker's slope of the forces, 0 to 1, that the adhering particles
+    account for: the slope itself lies between this part of it and the whole.
+    """
     if normal_force <= 0.0 or friction <= 0.0:
-        return 0.0, 0.0, 0.0
+        return 0.0, 0.0, 0.0, 0.0
     # Everything in units of the semi-axes and of the traction bound at the centre.
     bound = 2.0 * friction * normal_force / (math.pi * a * b)
     scale = 0.375 * shear_modulus * c11 / bound
@@ -132,8 +138,8 @@ def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, frictio
     slip_y = eta * scale * c22 / c11
     spin = phi * 4.0 * shear_modulus * c23 / (math.pi * math.sqrt(a / b) * bound)
     stiffer = math.sqrt(c22 / c11)
-    force_x = force_y = moment = 0.0
-    work = np.empty(10 * _LANES)
+    force_x = force_y = moment = held = 0.0
+    work = np.empty(_ROWS * _LANES)
     for first in range(0, grid.strips.shape[1], _LANES):
         strips = grid.strips[:, first : first + _LANES]
         _adhere(strips, slip_x, slip_y, spin * a, spin * b, work)
@@ -142,9 +148,11 @@ def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, frictio
             weight, sum_x = strips[2, i], work[_SUM_X * _LANES + i]
             force_x += weight * sum_x
             force_y += weight * work[_SUM_Y * _LANES + i]
+            held += weight * work[_HELD * _LANES + i]
             moment += weight * (a * work[_SUM_M * _LANES + i] - b * strips[0, i] * sum_x)
     unit = bound * a * b
-    return unit * force_x, unit * force_y, unit * moment
+    # Without slip the sum is 16 / 3.
+    return unit * force_x, unit * force_y, unit * moment, 0.1875 * held
 
 
 @stream
@@ -171,6 +179,7 @@ def _adhere(strips, slip_x, slip_y, spin_a, spin_b, work):
         work[_SLIP * _LANES + i] = w_x
         work[_P_X * _LANES + i] = -w_x * s
         work[_P_Y * _LANES + i] = (0.5 * spin_a * s - w_y) * s
+        work[_HELD * _LANES + i] = s2
         work[_SUM_X * _LANES + i] = -0.5 * w_x * s2
         work[_SUM_Y * _LANES + i] = sum_y
         work[_SUM_M * _LANES + i] = half * sum_y + s2 * s * (w_y / 3.0 - 0.125 * spin_a * s)

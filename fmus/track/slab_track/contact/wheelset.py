@@ -68,11 +68,13 @@ LOCATED = 13
     SPIN,
     SEMI_AXIS_A,
     SEMI_AXIS_B,
-) = range(9)
+    HELD,
+) = range(10)
 """Columns of a patch's forces: N, T_x, T_s (N) and moment about the normal (N.m) on the wheel,
-creepages (1) and spin (1/m), semi-axes along and across (m)."""
+creepages (1) and spin (1/m), semi-axes along and across (m), part of Kalker's slope that adhering
+particles account for (1)."""
 
-FORCED = 9
+FORCED = 10
 
 _FAR = -1e-3
 
@@ -231,7 +233,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     root = math.sqrt(row[AXIS_RATIO])
     a, b = scale * root, scale / root
     # Rolling backwards: the patch turned by half a turn about its normal.
-    t_x, t_s, moment = creep_forces(
+    t_x, t_s, moment, held = creep_forces(
         grid, normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus,
         tables.friction, direction * xi, direction * eta, phi,
     )  # fmt: skip
@@ -244,6 +246,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     out[SPIN] = phi
     out[SEMI_AXIS_A] = a
     out[SEMI_AXIS_B] = b
+    out[HELD] = held
 
 
 @kernel
