@@ -149,7 +149,7 @@ class TrackModel:
         steps = max(1, math.ceil(duration / self._longest_step - 1e-9))
         step, p = duration / steps, self.parameters
         waves, count = self.linear.rail.wave_number.size, p.wheelset_count
-        fasteners = self.linear.fastener_count
+        half = half_size(self.linear.fastener_count)
         operator = pack(
             rail_operator(self.linear, step),
             class_operator(self.linear, step, SYMMETRIC),
@@ -168,10 +168,10 @@ class TrackModel:
             ),
             self._limits,
             self._layout.starts,
-            Scratch.empty(steps, count, waves, half_size(fasteners)),
-            WheelCoupling.empty(count, fasteners),
-            FreeStep.empty(count, fasteners),
-            FreeStep.empty(count, fasteners),
+            Scratch.empty(steps, count, waves, half),
+            WheelCoupling.empty(count, half),
+            FreeStep.empty(count, half),
+            FreeStep.empty(count, half),
             Interaction.empty(count),
         )
         return operator, steps, step
@@ -299,7 +299,9 @@ class TrackModel:
         rail = np.zeros((3, *static.rail.shape))
         slab = np.zeros((3, *static.slab.shape))
         rail[0], slab[0] = static.rail, static.slab
-        return FieldState(rail, slab, np.array([static.residual, np.zeros_like(static.residual)]))
+        compression = np.zeros((2, static.fastener.size))
+        compression[0] = static.fastener / self.linear.stiffness
+        return FieldState(rail, slab, compression)
 
     def with_motion(self, state: TrackState, motion: np.ndarray) -> TrackState:
         """Return an initial state with other heights of the wheelsets and their forces."""

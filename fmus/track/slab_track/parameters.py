@@ -437,14 +437,15 @@ class TrackParameters(ParameterSet):
     def end_zones(self) -> tuple[float, float]:
         """Length at the rear and the front of the window with added damping, m; 0: none.
 
-        They end 2 m before the wheels of the article's vehicle at the worst instant.
+        Both end 2 m before the wheels of the article's vehicle, as they stand nearer to an
+        end at the worst instant: so the window is its own mirror image.
         """
         if self.window.method == "moving_mass" or self.window.end_damping == 0.0:
             return 0.0, 0.0
         room = 0.5 * (self.window_length - self.slide_length - _EXTENT[self.wheelset_count])
         offset, most = self.window.vehicle_offset, _LONGEST_END_ZONE * self.window_length
-        rear, front = (min(most, max(0.0, room + shift - 2.0)) for shift in (offset, -offset))
-        return rear, front
+        zone = min(most, max(0.0, room - abs(offset) - 2.0))
+        return zone, zone
 
     @property
     def moves(self) -> bool:

@@ -48,10 +48,10 @@ _HEAD = 7
     FASTENER_FORCE,
     RAIL_S,
     SLAB_S,
-    RESIDUAL_S,
+    COMPRESSION_S,
     RAIL_A,
     SLAB_A,
-    RESIDUAL_A,
+    COMPRESSION_A,
     LATERAL,
 ) = range(23)
 """Numbers of the parts that are arrays, in their order in the vector."""
@@ -66,13 +66,13 @@ class FieldState(NamedTuple):
         Shape (3, 2, N): derivative, branch, wave number.
     slab
         Shape (3, S, n): derivative, slab, mode.
-    residual
-        Compression of the fasteners by the modes left out, m, and its rate, m/s, shape (2, P).
+    compression
+        Of the fasteners, modes and residual together, m, and its rate, m/s, shape (2, P).
     """
 
     rail: np.ndarray
     slab: np.ndarray
-    residual: np.ndarray
+    compression: np.ndarray
 
 
 class WheelState(NamedTuple):
@@ -251,8 +251,8 @@ class TrackState:
     contact = _array(WHEELSET)
     fastener_force = _array(FASTENER_FORCE)
     rails = _array(LATERAL)
-    symmetric = _arrays(FieldState, (RAIL_S, SLAB_S, RESIDUAL_S))
-    antisymmetric = _arrays(FieldState, (RAIL_A, SLAB_A, RESIDUAL_A))
+    symmetric = _arrays(FieldState, (RAIL_S, SLAB_S, COMPRESSION_S))
+    antisymmetric = _arrays(FieldState, (RAIL_A, SLAB_A, COMPRESSION_A))
     wheels = _arrays(WheelState, _WHEEL_PARTS)
 
     @property

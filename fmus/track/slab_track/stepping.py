@@ -346,15 +346,15 @@ def touch(op, new, applied):
 def close(op, old, new, last):
     """Add what forces of wheels and fasteners do; after the ``last`` internal step answer."""
     starts, settings, rail = op.starts, op.settings, op.rail
-    step, shapes, coupling = settings.step, op.scratch.shapes, op.coupling
+    step, shapes = settings.step, op.scratch.shapes
     count = shapes.shape[0]
     wheels = wheels_of(new, starts, count)
     force = wheels.rail_force
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
     fields, own = class_fields(old, new, starts, 0, fasteners), class_force(force, 1.0)
-    close_class_step(rail, op.symmetric, fields, coupling, op.free_s, shapes, own, step)
+    close_class_step(rail, op.symmetric, fields, op.free_s, shapes, own, step)
     fields, own = class_fields(old, new, starts, 1, fasteners), class_force(force, -1.0)
-    close_class_step(rail, op.antisymmetric, fields, coupling, op.free_a, shapes, own, step)
+    close_class_step(rail, op.antisymmetric, fields, op.free_a, shapes, own, step)
     begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
     if settings.moves_sideways:
         for side in range(2):

@@ -12,18 +12,21 @@ order, exact in statics and conserves the energy of a linear undamped system:
 
 The modal forces g' hold the fastener forces p' and the wheel forces F', which
 depend on the new motion. The modes left out of the series follow the forces without
-inertia: at fasteners and wheels they add :math:`r = R_w F - R p` with their static compliance.
-Their rate in the fasteners' dampers follows the same rule,
-:math:`\dot r' = \tfrac2h(r' - r) - \dot r`. With the free step (g' = 0) known, the fasteners
-obey a constant linear system, inverted once per step size:
+inertia: at fasteners and wheels they add their static compliance R. The compression e of a
+fastener, modes and residual together, is linear in the coordinates and so obeys the same rule,
+:math:`\dot e' = \tfrac2h(e' - e) - \dot e`. Its law :math:`p = ke + c\dot e` becomes
 
-.. math:: p' = S\,(u + A_w F'),\quad S = (\nu^{-1} + A)^{-1},\quad
-          A = \tfrac{h^2}{4}Y + R,\quad \nu = k + \tfrac{2c}{h}
+.. math:: p' = \nu e' - d,\quad \nu = k + \tfrac{2c}{h},\quad d = c(\tfrac2h e + \dot e)
 
-with Y the admittance at the fasteners, :math:`A_w` the same between fasteners and wheels, and
-:math:`u = \nu^{-1}(\tilde p - c(\tfrac2h r + \dot r))` from the fastener forces
-:math:`\tilde p` of the free step. What remains per wheel is one scalar equation of Hertz's law with
-the compliance
+With the compression z by the modes in the free step (g' = 0), :math:`e' = z + A_w F' - A p'`, and
+the fasteners obey a constant linear system, inverted once per step size:
+
+.. math:: p' = S\,(z - d/\nu + A_w F'),\quad S = (\nu^{-1} + A)^{-1},\quad
+          A = \tfrac{h^2}{4}Y + R
+
+with Y the admittance at the fasteners and :math:`A_w` the compliance between fasteners and wheels.
+S falls into an even and an odd half (:mod:`slab_track.halves`). What remains per wheel is one
+scalar equation of Hertz's law with the compliance
 
 .. math:: C = A_{ww} - A_w^T S A_w.
 """
@@ -33,7 +36,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slab_track.assembly import LinearTrack
-from slab_track.compiled import kernel
+from slab_track.compiled import kernel, stream
 from slab_track.folding import Folding, make_folding
 from slab_track.halves import apply, join, split, split_matrix
 from slab_track.kernel import between, kernel_table, to_fasteners
@@ -41,7 +44,6 @@ from slab_track.oscillators import (
     add_force,
     add_scaled,
     copy,
-    dot,
     fold,
     step_damped,
     step_waves,
@@ -52,9 +54,6 @@ from slab_track.oscillators import (
 class RailOperator(NamedTuple):
     """Constants of the rails and fasteners for one internal step size h, of both classes.
 
-    In halves (2, h) are only what waves and residual do at the P fasteners
-    (:mod:`slab_track.halves`): the fasteners' damping is not alike at both ends of the window.
-
     Attributes
     ----------
     softening, participation, drive
@@ -64,10 +63,10 @@ class RailOperator(NamedTuple):
         Of the waves, shape (N,).
     folding
         Sums of waves that look alike at the fasteners.
-    response_kernel, residual_kernel
-        Tables of h^2/4 beta and of the residual (see :mod:`slab_track.kernel`).
-    stiffness, damping
-        k of all fasteners, N/m, and c of each, N.s/m, (P,).
+    modal_kernel, whole_kernel
+        Tables of h^2/4 beta, and of it and the residual (see :mod:`slab_track.kernel`).
+    damping
+        c of each fastener, N.s/m, (P,).
     flexibility
         1/nu of each fastener, m/N, (P,).
     rate
@@ -83,9 +82,8 @@ class RailOperator(NamedTuple):
     drive: np.ndarray
     wave_number: np.ndarray
     folding: Folding
-    response_kernel: np.ndarray
-    residual_kernel: np.ndarray
-    stiffness: float
+    modal_kernel: np.ndarray
+    whole_kernel: np.ndarray
     damping: np.ndarray
     flexibility: np.ndarray
     rate: float
@@ -103,9 +101,7 @@ class ClassOperator(NamedTuple):
     seats, from_seats
         Shapes at the seats, (n, C), and transposed.
     solve
-        S, symmetric, fastener force per unit compression within a step, shape (P, P), N/m.
-    residual
-        R, static compliance of the modes left out at the fasteners, in halves, (2, h, h), m/N.
+        S, symmetric, fastener force per unit compression within a step, in halves, (2, h, h), N/m.
     """
 
     slab_softening: np.ndarray
@@ -114,7 +110,6 @@ class ClassOperator(NamedTuple):
     seats: np.ndarray
     from_seats: np.ndarray
     solve: np.ndarray
-    residual: np.ndarray
 
 
 def rail_operator(track: LinearTrack, step: float) -> RailOperator:
@@ -123,15 +118,16 @@ def rail_operator(track: LinearTrack, step: float) -> RailOperator:
     weight = 1.0 / (1.0 + quarter * track.rail.omega_squared)
     beta = np.sum(track.participation**2 * weight, axis=0)
     dampers = track.damping + track.end_damping
+    modal = kernel_table(quarter * beta, count, ring=ring)
+    residual = kernel_table(track.residual_flexibility, count, ring=ring)
     return RailOperator(
         softening=(weight * track.rail.omega_squared).ravel(),
         participation=track.participation.ravel(),
         drive=(weight * track.participation).ravel(),
         wave_number=track.rail.wave_number,
         folding=make_folding(track.fold_index, track.fold_sign, track.fastener_sines),
-        response_kernel=kernel_table(quarter * beta, count, ring=ring),
-        residual_kernel=kernel_table(track.residual_flexibility, count, ring=ring),
-        stiffness=track.stiffness,
+        modal_kernel=modal,
+        whole_kernel=modal + residual,
         damping=dampers,
         flexibility=1.0 / (track.stiffness + 2.0 / step * dampers),
         rate=2.0 / step,
@@ -157,8 +153,7 @@ def class_operator(track: LinearTrack, step: float, symmetry: int) -> ClassOpera
         slab_weight=np.tile(slab_weight, track.slab_count),
         seats=slab.seats,
         from_seats=np.ascontiguousarray(slab.seats.T),
-        solve=0.5 * (solve + solve.T),
-        residual=split_matrix(residual),
+        solve=split_matrix(0.5 * (solve + solve.T)),
     )
 
 
@@ -167,46 +162,48 @@ class WheelCoupling(NamedTuple):
 
     Attributes
     ----------
-    by_modes, by_all, residual
-        Deflection at the fasteners per unit wheel force, by the modes, by all of them and by those
-        left out, shape (w, P), m/N.
-    modal, total
-        Deflection under the wheels per unit force under another one: by the modes and by
-        all of them, shape (w, w), m/N.
+    by_modes
+        Deflection at the fasteners per unit wheel force, by the modes, in halves, (2, w, h), m/N.
+    held
+        Row 1 + w: the same by all modes. Row 0 has room for a class's compression without wheel
+        forces. In halves, (2, 1 + w, h), m/N and m.
+    modal
+        Deflection under a wheel per unit force of its own, by the modes, (w,), m/N.
+    total
+        Deflection under the wheels per unit force under another one, by all modes, (w, w), m/N.
     """
 
     by_modes: np.ndarray
-    by_all: np.ndarray
-    residual: np.ndarray
+    held: np.ndarray
     modal: np.ndarray
     total: np.ndarray
 
     @classmethod
-    def empty(cls, wheels: int, fasteners: int) -> "WheelCoupling":
-        """Return room for as many wheels and fasteners."""
-        shape, among = (wheels, fasteners), (wheels, wheels)
+    def empty(cls, wheels: int, half: int) -> "WheelCoupling":
+        """Return room for as many wheels, and halves of ``half`` fasteners."""
         return cls(
-            np.empty(shape), np.empty(shape), np.empty(shape), np.empty(among), np.empty(among)
+            by_modes=np.empty((2, wheels, half)),
+            held=np.empty((2, 1 + wheels, half)),
+            modal=np.empty(wheels),
+            total=np.empty((wheels, wheels)),
         )
 
 
 @kernel
 def wheel_coupling(rail, places, out):
     """Fill a :class:`WheelCoupling` for wheels at ``places`` (w,), m in the window."""
-    by_modes, by_all, residual = out.by_modes, out.by_all, out.residual
-    modal, total = out.modal, out.total
+    modal, total, ring = out.modal, out.total, rail.ring
+    at_fasteners = np.empty(rail.damping.size)
     for wheel in range(places.size):
         here = places[wheel] / rail.spacing
-        to_fasteners(rail.response_kernel, here, by_modes[wheel])
-        to_fasteners(rail.residual_kernel, here, residual[wheel])
-        for i in range(by_all.shape[1]):
-            by_all[wheel, i] = by_modes[wheel, i] + residual[wheel, i]
+        to_fasteners(rail.modal_kernel, here, at_fasteners)
+        split(at_fasteners, out.by_modes[:, wheel])
+        to_fasteners(rail.whole_kernel, here, at_fasteners)
+        split(at_fasteners, out.held[:, 1 + wheel])
+        modal[wheel] = between(rail.modal_kernel, here, here, ring)
         for other in range(wheel + 1):
-            there = places[other] / rail.spacing
-            moving = between(rail.response_kernel, here, there, rail.ring)
-            static = between(rail.residual_kernel, here, there, rail.ring)
-            modal[wheel, other] = modal[other, wheel] = moving
-            total[wheel, other] = total[other, wheel] = moving + static
+            answer = between(rail.whole_kernel, here, places[other] / rail.spacing, ring)
+            total[wheel, other] = total[other, wheel] = answer
 
 
 class FreeStep(NamedTuple):
@@ -215,7 +212,8 @@ class FreeStep(NamedTuple):
     Attributes
     ----------
     fastener
-        Fastener forces without wheel forces, and per unit force of each wheel, (1 + w, P), N.
+        Fastener forces without wheel forces, and per unit force of each wheel, in halves,
+        (2, 1 + w, h), N.
     deflection, rate
         Of the rail under the wheels, (w,), m and m/s.
     compliance
@@ -231,72 +229,15 @@ class FreeStep(NamedTuple):
     mobility: np.ndarray
 
     @classmethod
-    def empty(cls, wheels: int, fasteners: int) -> "FreeStep":
-        """Return room for as many wheels and fasteners."""
+    def empty(cls, wheels: int, half: int) -> "FreeStep":
+        """Return room for as many wheels, and halves of ``half`` fasteners."""
         return cls(
-            fastener=np.empty((1 + wheels, fasteners)),
+            fastener=np.empty((2, 1 + wheels, half)),
             deflection=np.empty(wheels),
             rate=np.empty(wheels),
             compliance=np.empty((wheels, wheels)),
             mobility=np.empty(wheels),
         )
-
-
-@kernel
-def _held_forces(rail, seats, waves, slab, residual, out):
-    """Fill ``out`` (P,) with u: what held fasteners are compressed by after the free step.
-
-    ``waves`` (2, N) and ``slab`` (3, S n) after that step, ``residual`` (2, P) before it.
-    """
-    folding, count = rail.folding, out.size
-    half = folding.to_fasteners.shape[1]
-    sums, moved, at_fasteners = np.empty((2, half)), np.empty((2, half)), np.empty((2, count))
-    under = np.dot(slab[:2].reshape((-1, seats.shape[0])), seats).ravel()
-    for derivative in range(2):
-        fold(folding.place, folding.sign, waves[derivative], sums.ravel())
-        apply(folding.to_fasteners, sums, moved)
-        join(moved, at_fasteners[derivative])
-    for i in range(count):
-        elastic = rail.stiffness * (at_fasteners[0, i] - under[i])
-        squeeze = rail.rate * residual[0, i] + residual[1, i]
-        viscous = rail.damping[i] * (at_fasteners[1, i] - under[count + i] - squeeze)
-        out[i] = rail.flexibility[i] * (elastic + viscous)
-
-
-@kernel
-def free_class_step(rail, own, fields, coupling, shapes, step, out):
-    """Step one symmetry class with fasteners but without wheel forces.
-
-    ``rail`` and ``own`` are the operators, ``fields`` a :class:`ClassFields`, ``shapes`` (w, N)
-    those of the waves under the wheels. Fills the :class:`FreeStep` ``out``.
-    """
-    wheels, count = coupling.by_all.shape
-    waves, held = np.empty((2, shapes.shape[1])), np.empty((1 + wheels, count))
-    step_waves(
-        fields.old_rail, rail.softening, rail.participation, step, fields.new_rail,
-        waves[0], waves[1],
-    )  # fmt: skip
-    step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
-    _held_forces(rail, own.seats, waves, fields.new_slab, fields.old_residual, held[0])
-    for wheel in range(wheels):
-        copy(coupling.by_all[wheel], held[1 + wheel])
-    np.dot(held, own.solve, out.fastener)
-    _under_wheels(coupling, waves, shapes, 2.0 / step, out)
-
-
-@kernel
-def _under_wheels(coupling, waves, shapes, to_rate, out):
-    """Take what the fasteners hold from the free motion under the wheels."""
-    fastener, compliance = out.fastener, out.compliance
-    for wheel in range(shapes.shape[0]):
-        by_modes, by_all = coupling.by_modes[wheel], coupling.by_all[wheel]
-        out.deflection[wheel] = dot(shapes[wheel], waves[0]) - dot(by_all, fastener[0])
-        out.rate[wheel] = dot(shapes[wheel], waves[1]) - to_rate * dot(by_modes, fastener[0])
-        own = coupling.modal[wheel, wheel] - dot(by_modes, fastener[1 + wheel])
-        out.mobility[wheel] = to_rate * own
-        for other in range(wheel + 1):
-            answer = coupling.total[wheel, other] - dot(by_all, fastener[1 + other])
-            compliance[wheel, other] = compliance[other, wheel] = answer
 
 
 class ClassFields(NamedTuple):
@@ -306,39 +247,107 @@ class ClassFields(NamedTuple):
     ----------
     old_rail, old_slab, new_rail, new_slab
         As in :mod:`slab_track.oscillators`, (3, 2N) and (3, S n).
-    old_residual, new_residual
-        Compression of the fasteners by the modes left out and its rate, (2, P).
+    old_compression, new_compression
+        Of the fasteners, and its rate, (2, P).
     fastener
         Receives the fastener forces, (P,), N.
     """
 
     old_rail: np.ndarray
     old_slab: np.ndarray
-    old_residual: np.ndarray
+    old_compression: np.ndarray
     new_rail: np.ndarray
     new_slab: np.ndarray
-    new_residual: np.ndarray
+    new_compression: np.ndarray
     fastener: np.ndarray
 
 
 @kernel
-def close_class_step(rail, own, fields, coupling, free, shapes, forces, step):
+def free_class_step(rail, own, fields, coupling, shapes, step, out):
+    """Step one symmetry class with fasteners but without wheel forces.
+
+    ``rail`` and ``own`` are the operators, ``fields`` a :class:`ClassFields`, ``shapes`` (w, N)
+    those of the waves under the wheels. Fills the :class:`FreeStep` ``out``.
+    """
+    waves, held = np.empty((2, shapes.shape[1])), coupling.held
+    step_waves(
+        fields.old_rail, rail.softening, rail.participation, step, fields.new_rail,
+        waves[0], waves[1],
+    )  # fmt: skip
+    step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
+    _compress(rail, own.seats, waves[0], fields, held[:, 0])
+    for half in range(2):
+        np.dot(held[half], own.solve[half], out.fastener[half])
+    for wheel in range(shapes.shape[0]):
+        _under_wheel(
+            wheel, coupling.by_modes, held, coupling.modal, coupling.total, waves, shapes[wheel],
+            2.0 / step, out.fastener, out.deflection, out.rate, out.mobility, out.compliance,
+        )  # fmt: skip
+
+
+@kernel
+def _compress(rail, seats, waves, fields, out):
+    """Fill ``out`` (2, h) with z - d/nu, for ``waves`` (N,) and slabs after the free step."""
+    folding, fastener = rail.folding, fields.fastener
+    half = folding.to_fasteners.shape[1]
+    sums, moved = np.empty((2, half)), np.empty((2, half))
+    fold(folding.place, folding.sign, waves, sums.ravel())
+    apply(folding.to_fasteners, sums, moved)
+    join(moved, fastener)
+    under = np.dot(fields.new_slab[0].reshape((-1, seats.shape[0])), seats).ravel()
+    old = fields.old_compression
+    _less_under(under, rail.flexibility, rail.damping, rail.rate, old[0], old[1], fastener)
+    split(fastener, out)
+
+
+@stream
+def _less_under(under, flexibility, damping, to_rate, compression, rate, out):
+    for i in range(out.size):
+        viscous = damping[i] * (to_rate * compression[i] + rate[i])
+        out[i] -= under[i] + flexibility[i] * viscous
+
+
+@stream
+def _under_wheel(
+    wheel, by_modes, held, modal, total, waves, shape, to_rate, fastener, deflection, rate,
+    mobility, compliance,
+):  # fmt: skip
+    """Motion under a wheel without its force, and per unit force: free motion less fasteners'."""
+    moved = speed = own = 0.0
+    for k in range(shape.size):
+        moved += shape[k] * waves[0, k]
+        speed += shape[k] * waves[1, k]
+    less = slower = 0.0
+    for half in range(2):
+        for i in range(held.shape[2]):
+            less += held[half, 1 + wheel, i] * fastener[half, 0, i]
+            slower += by_modes[half, wheel, i] * fastener[half, 0, i]
+            own += by_modes[half, wheel, i] * fastener[half, 1 + wheel, i]
+    deflection[wheel], rate[wheel] = moved - less, speed - to_rate * slower
+    mobility[wheel] = to_rate * (modal[wheel] - own)
+    for other in range(wheel + 1):
+        answer = total[wheel, other]
+        for half in range(2):
+            for i in range(held.shape[2]):
+                answer -= held[half, 1 + wheel, i] * fastener[half, 1 + other, i]
+        compliance[wheel, other] = compliance[other, wheel] = answer
+
+
+@kernel
+def close_class_step(rail, own, fields, free, shapes, forces, step):
     """Add fastener forces and wheel forces (w,) to a free step, in place."""
-    wheels, count = coupling.by_all.shape
-    half = rail.folding.to_waves.shape[1]
-    fastener, pushed = fields.fastener, np.empty(count)
-    halves, given = np.empty((2, half)), np.empty((2, half))
-    copy(free.fastener[0], fastener)
-    for wheel in range(wheels):
-        add_scaled(forces[wheel], free.fastener[1 + wheel], fastener)
-    split(fastener, halves)
-    _close_rail(rail, halves, given, fields.new_rail, shapes, forces, step)
-    seats = own.from_seats
+    half, seats, fastener = rail.folding.to_waves.shape[1], own.from_seats, fields.fastener
+    halves, sums = np.empty((2, half)), np.empty((2, half))
+    for side in range(2):
+        copy(free.fastener[side, 0], halves[side])
+        for wheel in range(forces.size):
+            add_scaled(forces[wheel], free.fastener[side, 1 + wheel], halves[side])
+    join(halves, fastener)
+    _close_rail(rail, halves, sums, fields.new_rail, shapes, forces, step)
     on_slabs = np.dot(fastener.reshape((-1, seats.shape[0])), seats).ravel()
     add_force(fields.new_slab, 0, own.slab_weight, on_slabs, step)
-    apply(own.residual, halves, given)
-    join(given, pushed)
-    _follow(rail.rate, coupling.residual, forces, pushed, fields.old_residual, fields.new_residual)
+    old, new = fields.old_compression, fields.new_compression
+    _follow(rail.rate, rail.flexibility, rail.damping, fastener, old[0], old[1], new[0], new[1])
 
 
 @kernel
@@ -356,12 +365,10 @@ def _close_rail(rail, halves, sums, new, shapes, forces, step):
     add_force(new, 1, rail.drive, wave, step)
 
 
-@kernel
-def _follow(rate, by_wheels, forces, by_fasteners, old, new):
-    """Compression by the modes left out: r = R_w F - R p, its rate by the trapezoidal rule."""
-    for i in range(by_fasteners.size):
-        new[0, i] = -by_fasteners[i]
-    for wheel in range(forces.size):
-        add_scaled(forces[wheel], by_wheels[wheel], new[0])
-    for i in range(by_fasteners.size):
-        new[1, i] = rate * (new[0, i] - old[0, i]) - old[1, i]
+@stream
+def _follow(to_rate, flexibility, damping, force, old, old_rate, new, new_rate):
+    """Compression e = (p + d)/nu of the fasteners, its rate by the trapezoidal rule."""
+    for i in range(force.size):
+        before = to_rate * old[i] + old_rate[i]
+        new[i] = flexibility[i] * (force[i] + damping[i] * before)
+        new_rate[i] = to_rate * new[i] - before

@@ -64,7 +64,7 @@ def slide_fields(
     """Return the fields of a track state moved by one slide, and the residual in m.
 
     Displacement, velocity and acceleration move alike; slabs, fastener forces and
-    residual compressions move by whole rows.
+    what the modes left out add to the fasteners' compression move by whole rows.
     """
     slabs = round(operator.shift / track.pitch)
     seats = slabs * track.seat_count
@@ -78,19 +78,15 @@ def slide_fields(
 
     old = np.stack([state.symmetric.rail, state.antisymmetric.rail])
     new = moved(track.rail, track.participation, old)
-    changes: dict[str, Any] = {
-        name: FieldState(
-            rail=rail,
-            slab=np.ascontiguousarray(
-                operator.rows(field.slab.swapaxes(0, 1), slabs).swapaxes(0, 1)
-            ),
-            residual=np.ascontiguousarray(operator.rows(field.residual.T, seats).T),
+    changes: dict[str, Any] = {}
+    for symmetry, name in enumerate(("symmetric", "antisymmetric")):
+        field = getattr(state, name)
+        residual = operator.rows((field.compression - modal_part(track, symmetry, field)).T, seats)
+        slab = np.ascontiguousarray(operator.rows(field.slab.swapaxes(0, 1), slabs).swapaxes(0, 1))
+        moved_field = FieldState(new[symmetry], slab, residual.T)
+        changes[name] = moved_field._replace(
+            compression=residual.T + modal_part(track, symmetry, moved_field)
         )
-        for name, field, rail in (
-            ("symmetric", state.symmetric, new[0]),
-            ("antisymmetric", state.antisymmetric, new[1]),
-        )
-    }
     rails = np.empty_like(state.rails)
     bending = lateral.bending
     rails[:, :, :2] = moved(bending, bending.deflection, state.rails[:, :, :2])
@@ -98,6 +94,13 @@ def slide_fields(
     changes["rails"] = rails
     changes["fastener_force"] = np.ascontiguousarray(operator.rows(state.fastener_force.T, seats).T)
     return changes, _residual(track, operator, old[:, 0], new[:, 0])
+
+
+def modal_part(track: LinearTrack, symmetry: int, field: FieldState) -> np.ndarray:
+    """Return the fasteners' compression by the modes of a field, m, and its rate, (2, P)."""
+    wave = np.sum(track.participation * field.rail[:2], axis=1)
+    under = field.slab[:2] @ track.slabs[symmetry].seats
+    return track.fold(wave.T).T @ track.fastener_sines - under.reshape(2, -1)
 
 
 def _residual(
