@@ -81,8 +81,8 @@ class WheelState(NamedTuple):
     Attributes
     ----------
     rail_force, earlier_force
-        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3), now and an internal
-        step before.
+        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3); that of an
+        internal step before.
     normal, creep
         Normal and lateral creep force of the patches (tread, flange), (wheels, 2, 2), N.
     rail
