@@ -9,7 +9,8 @@ force falls with the slip that it causes: a plain iteration would diverge at low
 speed. Its slope lies between rD and D, with Kalker's slope D and the part r of it that FASTSIM's
 adhering particles account for. So with the mobility c of the rail the change, seen at the old
 force, is to be divided by a number between 1 + rDc and 1 + Dc: the middle of both quotients is
-taken, half their distance is the error.
+taken, and half their distance is the error. Where much slips, r says nothing about the next value,
+and the smaller quotient is taken: it never leads too far.
 """
 
 import math
@@ -44,6 +45,9 @@ force by some 1e-6 rad, 0.1 N."""
 _ITERATIONS = 60
 _LOOSEST = 100.0
 """Largest error accepted after many rounds, N: a thousandth of a wheel force."""
+
+_NEARLY_LINEAR = 1.5
+"""Ratio of both bounds of the creep force's change up to which their middle is taken."""
 
 _STEEPEST = 1e3
 """Slope of the creep force over its own assumed value that counts as a jump."""
@@ -214,7 +218,9 @@ def solve_wheel(
                 change = answer[LATERAL_FORCE] - creep[patch]
                 damping = _damping(tables, motion, mobility, row, answer)
                 most, least = 1.0 / (1.0 + answer[HELD] * damping), 1.0 / (1.0 + damping)
-                part, unsure = 0.5 * (most + least), 0.5 * (most - least)
+                part, unsure = least, most - least
+                if most < _NEARLY_LINEAR * least:
+                    part, unsure = 0.5 * (most + least), 0.5 * unsure
                 apart, turn = creep[patch] - last[patch, 0], change - last[patch, 1]
                 if round_ > 0 and -turn * apart * least > apart * apart:
                     # Steeper than Kalker's slope, as on a flange: the slope seen. FASTSIM's own
