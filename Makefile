@@ -4,13 +4,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 TOOLS := $(VENV)/.tools
+DOCS := $(VENV)/.docs
 
 # Small matrices: threads of the linear-algebra libraries only get in each other's way.
 export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: run test test-slow soak lint build setup clean
+.PHONY: run test test-slow soak lint build docs setup clean
 
 setup: $(STAMP)
 
@@ -50,6 +51,15 @@ lint: $(STAMP)
 
 build: $(STAMP)
 	$(BIN)/rail-cosim build --out build
+
+$(DOCS): $(STAMP)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@
+
+# Any warning, such as a broken link, is an error.
+docs: $(DOCS)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	@echo "the pages are in build/site: open build/site/index.html (to search them: $(BIN)/mkdocs serve)"
 
 clean:
 	rm -rf $(VENV) build results
