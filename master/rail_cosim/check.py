@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
 from rich.text import Text
 
+from rail_cosim.archives import opened
 from rail_cosim.contract import Finding, Role, contract_findings, terminal_numbers
 from rail_cosim.description import FmuDescription, read_description, read_root
 from rail_cosim.manners import manners_findings
@@ -73,7 +73,7 @@ def check_fmu(path: Path, *, run: bool = False) -> CheckReport:
     if role is not None and not description.can_save_state:
         text = "absent: the algorithm iterative-gauss-seidel cannot be used"
         contract = [*contract, Finding(level="note", subject="canGetAndSetFMUstate", text=text)]
-    with zipfile.ZipFile(path) as archive:
+    with opened(path) as archive:
         members = set(archive.namelist())
     return CheckReport(
         description=description,

@@ -5,11 +5,11 @@ from __future__ import annotations
 import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, cast
 
+from rail_cosim.archives import opened, parse_xml, read_member
 from rail_cosim.errors import FmuFileError
 from rail_cosim.slave import Kind, Variable
 
@@ -96,15 +96,11 @@ def read_root(path: Path) -> ElementTree.Element:
     FmuFileError
         If there is none.
     """
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return ElementTree.fromstring(archive.read("modelDescription.xml"))
-    except FileNotFoundError as error:
-        raise FmuFileError(f"{path}: there is no such file") from error
-    except IsADirectoryError as error:
-        raise FmuFileError(f"{path}: this is a directory, not an FMU") from error
-    except (zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-        raise FmuFileError(f"{path}: this is no FMU ({error})") from error
+    with opened(path) as archive:
+        try:
+            return parse_xml(read_member(archive, "modelDescription.xml"))
+        except (KeyError, ElementTree.ParseError) as error:
+            raise FmuFileError(f"{path}: this is no FMU ({error})") from error
 
 
 def _variable(element: ElementTree.Element, types: Mapping[str, ElementTree.Element]) -> Variable:

@@ -52,6 +52,8 @@ class RunOptions:
         ``gauss-seidel``, ``jacobi`` or ``iterative-gauss-seidel``.
     record_every
         Record each step (1), each second (2), ...
+    trust
+        Whether to run FMUs that were not built here without saying so.
     out, plot
         NetCDF file and picture to write; ``None`` for none.
     resume
@@ -76,6 +78,7 @@ class RunOptions:
     macro_step: float = MACRO_STEP
     algorithm: str = GaussSeidel.name
     record_every: int = 1
+    trust: bool = False
     out: Path | None = None
     plot: Path | None = None
     resume: bool = False
@@ -113,6 +116,7 @@ class RunOptions:
 
 
 _KINDS = {"float": "a number", "int": "a whole number", "str": "a text", "Path": "a path"}
+_KINDS["bool"] = "true or false"
 
 
 def _check_kind(field: dataclasses.Field, value: object) -> None:
@@ -120,6 +124,12 @@ def _check_kind(field: dataclasses.Field, value: object) -> None:
     kind = str(field.type).partition(" | ")[0]
     if kind not in _KINDS or (value is None and field.default is None):
         return
-    allowed = {"float": numbers.Real, "int": numbers.Integral, "str": str, "Path": Path}[kind]
-    if not isinstance(value, allowed) or isinstance(value, bool):
+    allowed = {
+        "float": numbers.Real,
+        "int": numbers.Integral,
+        "str": str,
+        "Path": Path,
+        "bool": bool,
+    }[kind]
+    if not isinstance(value, allowed) or isinstance(value, bool) != (kind == "bool"):
         raise ParameterError("--" + field.name.replace("_", "-"), value, f"must be {_KINDS[kind]}")

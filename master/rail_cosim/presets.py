@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path, PurePosixPath
 
+from rail_cosim.archives import opened, read_member
 from rail_cosim.errors import UnknownNameError
 from rail_cosim.ssv import read_entries
 
@@ -13,9 +13,9 @@ FOLDER = "resources/presets/"
 
 def preset_files(fmu: Path) -> dict[str, bytes]:
     """Return ``{name: content of the .ssv file}`` of the presets inside an FMU."""
-    with zipfile.ZipFile(fmu) as archive:
+    with opened(fmu) as archive:
         names = sorted(n for n in archive.namelist() if n.startswith(FOLDER) and n.endswith(".ssv"))
-        return {PurePosixPath(name).stem: archive.read(name) for name in names}
+        return {PurePosixPath(name).stem: read_member(archive, name) for name in names}
 
 
 def read_preset(fmu: Path, name: str, option: str) -> dict[str, str]:

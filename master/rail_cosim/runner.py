@@ -42,6 +42,7 @@ from rail_cosim.ssp_reader import read_ssp
 from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
+from rail_cosim.trust import foreign_remark
 
 _LEADING_SPEED = "wheelset[1].longitudinal_velocity"
 
@@ -91,6 +92,7 @@ def run(
     macro_step: float = MACRO_STEP,
     algorithm: str = GaussSeidel.name,
     record_every: int = 1,
+    trust: bool = False,
     out: str | Path | None = None,
     plot: str | Path | None = None,
     resume: bool = False,
@@ -103,7 +105,7 @@ def run(
     ----------
     system, line, vehicle, track, distance, until_steady
         As in :class:`RunOptions`.
-    macro_step, algorithm, record_every, out, plot, resume, checkpoint_interval
+    macro_step, algorithm, record_every, trust, out, plot, resume, checkpoint_interval
         As in :class:`RunOptions`.
     speed, final_speed
         In km/h, as on the command line.
@@ -136,6 +138,7 @@ def run(
         macro_step=macro_step,
         algorithm=algorithm,
         record_every=record_every,
+        trust=trust,
         out=None if out is None else Path(out),
         plot=None if plot is None else Path(plot),
         resume=resume,
@@ -163,6 +166,10 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
     else:
         descriptions, presets = find_fmus(options)
         parameters = gather_parameters(options, descriptions, presets)
+    if not options.trust:
+        for description in descriptions.values():
+            if text := foreign_remark(description.path):
+                reporter.notice(text)
     dataset, outcome = simulate(options, descriptions, parameters, reporter)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)

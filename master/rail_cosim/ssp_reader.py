@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from xml.etree.ElementTree import Element
 
+from rail_cosim.archives import LARGEST, opened, parse_xml, read_member
 from rail_cosim.cache import cache_directory
 from rail_cosim.connections import Connection, connect
 from rail_cosim.contract import role_of
@@ -60,9 +61,9 @@ def read_ssp(path: Path) -> SspSystem:
     ParameterError
         If a value is bound in another unit than its variable has.
     """
-    with _opened(path) as archive:
+    with opened(path, "SSP package") as archive:
         try:
-            root = ElementTree.fromstring(archive.read(_STRUCTURE))
+            root = parse_xml(read_member(archive, _STRUCTURE))
         except (KeyError, ElementTree.ParseError) as error:
             raise FmuFileError(f"{path}: this is no SSP package ({error})") from error
         package = _Package(path, archive, root)
@@ -81,15 +82,6 @@ def read_ssp(path: Path) -> SspSystem:
         parameters={role: bound[name] for role, name in names.items()},
         remarks=remarks,
     )
-
-
-def _opened(path: Path) -> zipfile.ZipFile:
-    try:
-        return zipfile.ZipFile(path)
-    except FileNotFoundError as error:
-        raise FmuFileError(f"{path}: there is no such file") from error
-    except (zipfile.BadZipFile, OSError) as error:
-        raise FmuFileError(f"{path}: this is no SSP package ({error})") from error
 
 
 def _roles(path: Path, descriptions: Mapping[str, FmuDescription]) -> dict[str, str]:
@@ -148,7 +140,7 @@ class _Package:
 
     def read(self, source: str) -> bytes:
         try:
-            return self.archive.read(source)
+            return read_member(self.archive, source, LARGEST)
         except KeyError as error:
             raise FmuFileError(f"{self.path}: there is no {source!r} in the package") from error
 
@@ -189,10 +181,10 @@ class _Package:
             return entries_of(binding)  # written in place
         where = f"{self.path}: {source}"
         if binding.get("sourceBase") == "component" and fmu is not None:
-            with zipfile.ZipFile(fmu) as archive:
+            with opened(fmu) as archive:
                 if source not in archive.namelist():
                     raise FmuFileError(f"{where} is not in {fmu.name}")
-                return read_entries(archive.read(source), where)
+                return read_entries(read_member(archive, source), where)
         return read_entries(self.read(source), where)
 
     def connections(self) -> list[tuple[str, str, str, str]]:

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
+from rail_cosim.archives import parse_xml
 from rail_cosim.errors import FmuFileError
 from rail_cosim.slave import Value, Variable
 
@@ -41,7 +42,7 @@ def read_entries(content: bytes, where: str) -> list[Entry]:
         If it cannot be read.
     """
     try:
-        root = ElementTree.fromstring(content)
+        root = parse_xml(content)
     except ElementTree.ParseError as error:
         raise FmuFileError(f"{where} cannot be read ({error})") from error
     return entries_of(root)

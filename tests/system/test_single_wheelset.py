@@ -31,6 +31,13 @@ def test_it_satisfies_the_contract(fmus, wheelset):
     assert "run it with --set track.wheelset_count=1" in done.stdout
 
 
+def test_it_is_announced_before_it_runs_unless_it_is_trusted(fmus, wheelset):
+    options = ["run", "--vehicle", wheelset, "--set", "track.wheelset_count=1", "--distance", 0.1]
+    assert f"{wheelset} was not built here. It is a program" in fmus.command(*options).stderr
+    assert "InfiniteSlabTrack" not in fmus.command(*options).stderr
+    assert fmus.command(*options, "--trust").stderr == ""
+
+
 def test_amplitude_is_that_of_the_finite_element_track(fmus, wheelset, tmp_path):
     """Under a constant load, against the single wheel of the independent track."""
     options = ["--vehicle", wheelset, "--set", "track.wheelset_count=1", *CONSTANT_LOAD]

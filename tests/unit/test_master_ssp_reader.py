@@ -179,7 +179,7 @@ def test_missing_and_broken_files_are_named(package, tmp_path):
         read_ssp(changed(package, drop=["resources/Car.fmu"]))
     with pytest.raises(FmuFileError, match="this is no SSP package"):
         read_ssp(changed(package, drop=["SystemStructure.ssd"]))
-    with pytest.raises(FmuFileError, match="this is no SSP package"):
+    with pytest.raises(FmuFileError, match="this is a directory, not an SSP package"):
         read_ssp(tmp_path)
     with pytest.raises(FmuFileError, match="there is no such file"):
         read_ssp(tmp_path / "none.ssp")

@@ -110,6 +110,9 @@ def run(
         ),
     ] = "gauss-seidel",
     record_every: Annotated[int, typer.Option(help="Record every N-th step.", metavar="N")] = 1,
+    trust: Annotated[
+        bool, typer.Option("--trust", help="Run FMUs that were not built here without a warning.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(help="NetCDF file for the results.", metavar="FILE")
     ] = None,
@@ -169,6 +172,7 @@ def run(
             "macro_step": macro_step,
             "algorithm": algorithm,
             "record_every": record_every,
+            "trust": trust,
             "out": out,
             "plot": plot,
             "resume": resume,

@@ -34,6 +34,7 @@ from rail_cosim.sweeps.specification import (
     steps,
 )
 from rail_cosim.sweeps.store import Store
+from rail_cosim.trust import foreign_remark
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -151,6 +152,10 @@ def execute_sweep(
         check_drawable(specification.axes if specification.grid else ())
     reporter.stage("finding the FMUs")
     plan = make_plan(specification)
+    if not all(task.options.trust for task in plan.tasks):
+        for path in plan.files.values():
+            if text := foreign_remark(path):
+                reporter.notice(text.replace("--trust", "trust = true below [run]"))
     found = run_plan(
         plan, Store(store or store_of(out)), reporter, scheduler=scheduler, workers=workers
     )

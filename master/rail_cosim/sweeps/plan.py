@@ -7,10 +7,10 @@ import functools
 import hashlib
 import json
 import re
-import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from rail_cosim.archives import LARGEST, opened, read_member
 from rail_cosim.description import FmuDescription
 from rail_cosim.errors import UnknownNameError
 from rail_cosim.options import RunOptions
@@ -158,9 +158,9 @@ def _find(options: RunOptions) -> _Found:
 def identity(path: Path) -> str:
     """Return a hash of an FMU's content; the same for a rebuild from the same sources."""
     digest = hashlib.sha256()
-    with zipfile.ZipFile(path) as archive:
+    with opened(path) as archive:
         for name in sorted(archive.namelist()):
-            content = archive.read(name)
+            content = read_member(archive, name, LARGEST)
             if name == "modelDescription.xml":
                 content = _DATE.sub(b"", content, count=1)
             digest.update(f"{name} {len(content)}\n".encode())
