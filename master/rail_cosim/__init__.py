@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rail_cosim.builder import build as build
     from rail_cosim.case import read_case as read_case
+    from rail_cosim.reporting import report as report
     from rail_cosim.runner import run as run
     from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
@@ -23,6 +24,7 @@ __all__ = [
     "build",
     "plot_sweep",
     "read_case",
+    "report",
     "run",
     "study",
     "summarise",
@@ -35,6 +37,7 @@ _HOME = {
     "build": "rail_cosim.builder",
     "plot_sweep": "rail_cosim.sweeps",
     "read_case": "rail_cosim.case",
+    "report": "rail_cosim.reporting",
     "run": "rail_cosim.runner",
     "study": "rail_cosim.studies",
     "summarise": "rail_cosim.summary",

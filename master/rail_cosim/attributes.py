@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import datetime
+import json
 import platform
+from collections.abc import Mapping
 from typing import Any
 
 from rail_cosim import version
 from rail_cosim.algorithms import Algorithm
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.simulation import Outcome
-from rail_cosim.slave import Slave
+from rail_cosim.slave import Slave, Value, Variable
 from rail_cosim.steady import SteadyReport
 
 
@@ -34,6 +36,38 @@ def fmu_attributes(slave: FmuSlave) -> dict[str, Any]:
         f"{slave.name}_version": about.version,
         f"{slave.name}_generation_tool": about.generation_tool,
     }
+
+
+CHANGED = "changed_parameters"
+"""Attribute with the parameters that are not as the parameter set has them, as JSON."""
+
+
+def changed_attribute(
+    known: Mapping[str, Mapping[str, Variable]],
+    usual: Mapping[str, Mapping[str, Value]],
+    given: Mapping[str, Mapping[str, Value]],
+) -> dict[str, str]:
+    """Return which of the given values are others than without options.
+
+    Parameters
+    ----------
+    known
+        Variables by slave and name: their start values are what holds without a parameter set.
+    usual, given
+        Values of the parameter sets, and all that were set, by slave and name.
+
+    Returns
+    -------
+    dict
+        :data:`CHANGED` and a JSON object ``{slave.parameter: value of the parameter set}``.
+    """
+    changed = {}
+    for slave, values in given.items():
+        for name, value in values.items():
+            before = usual.get(slave, {}).get(name, known[slave][name].start)
+            if value != before:
+                changed[f"{slave}.{name}"] = before
+    return {CHANGED: json.dumps(changed)}
 
 
 def run_attributes(outcome: Outcome, algorithm: Algorithm, command: str) -> dict[str, Any]:

@@ -15,6 +15,7 @@ import xarray as xr
 
 from rail_cosim.algorithms import GaussSeidel, make_algorithm
 from rail_cosim.attributes import (
+    changed_attribute,
     ended_by,
     fmu_attributes,
     parameter_attributes,
@@ -161,8 +162,8 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         package = read_ssp(options.system)
         for remark in package.remarks:
             reporter.notice(remark)
-        descriptions = dict(package.descriptions)
-        parameters = gather_parameters(options, descriptions, {}, package.parameters)
+        descriptions, presets = dict(package.descriptions), {}
+        parameters = gather_parameters(options, descriptions, presets, package.parameters)
     else:
         descriptions, presets = find_fmus(options)
         parameters = gather_parameters(options, descriptions, presets)
@@ -170,7 +171,9 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         for description in descriptions.values():
             if text := foreign_remark(description.path):
                 reporter.notice(text)
-    dataset, outcome = simulate(options, descriptions, parameters, reporter)
+    known = {name: about.variables for name, about in descriptions.items()}
+    changed = changed_attribute(known, _preset_values(descriptions, presets), parameters)
+    dataset, outcome = simulate(options, descriptions, parameters, reporter, changed)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)
     if isinstance(outcome.error, KeyboardInterrupt):
@@ -213,11 +216,8 @@ def gather_parameters(
         For a name or value that is not right.
     """
     known = {name: description.variables for name, description in descriptions.items()}
-    option_of = {"track": "--line", "vehicle": "--vehicle"}
     values: dict[str, dict[str, Value]] = {name: {} for name in known}
-    for name, preset in presets.items():
-        found = read_preset(descriptions[name].path, preset, option_of[name])
-        values[name].update(checked(name, known[name], found))
+    values.update(_preset_values(descriptions, presets))
     for name, given in (bound or {}).items():
         values[name].update(checked(name, known[name], given))
     for source, target in PASSED.items():
@@ -243,13 +243,27 @@ def gather_parameters(
     return values
 
 
+def _preset_values(
+    descriptions: Mapping[str, FmuDescription], presets: Mapping[str, str]
+) -> dict[str, dict[str, Value]]:
+    option_of = {"track": "--line", "vehicle": "--vehicle"}
+    values = {}
+    for name, preset in presets.items():
+        found = read_preset(descriptions[name].path, preset, option_of[name])
+        values[name] = checked(name, descriptions[name].variables, found)
+    return values
+
+
 def simulate(
     options: RunOptions,
     descriptions: Mapping[str, FmuDescription],
     parameters: Mapping[str, Mapping[str, Value]],
     reporter: Reporter,
+    attributes: Mapping[str, object] | None = None,
 ) -> tuple[xr.Dataset, Outcome]:
     """Run two FMUs with checked parameters; write the results; return them, and how it ended.
+
+    ``attributes`` are more for the Dataset.
 
     Raises
     ------
@@ -298,17 +312,18 @@ def simulate(
         reporter.stage("stepping")
         outcome = simulation.run(steps, note=note, progress=reporter.progress, watch=session)
         _pass_on_warnings(slaves, reporter)
-        attributes = {
+        about = {
             **run_attributes(outcome, algorithm, options.command),
             "line": options.line or "",
             "speed_km_h": speed / KM_H,
             **({} if ramp is None else {"final_speed_km_h": options.final_speed}),
             **{k: v for slave in slaves for k, v in fmu_attributes(slave).items()},
             **fixed,
+            **(attributes or {}),
         }
         if options.out:
             reporter.stage(f"writing {options.out}")
-        return session.finish(simulation, outcome, attributes), outcome
+        return session.finish(simulation, outcome, about), outcome
 
 
 def _stop_rule(

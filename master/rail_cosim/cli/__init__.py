@@ -7,6 +7,6 @@ wrong, 130 stopped by Ctrl-C.
 # Importing a command's module adds it to the application; in this order they are listed.
 # ruff: noqa: I001
 from rail_cosim.cli.application import app, main
-from rail_cosim.cli import fmus, run, sweep, study, measure
+from rail_cosim.cli import fmus, run, report, sweep, study, measure
 
-__all__ = ["app", "fmus", "main", "measure", "run", "study", "sweep"]
+__all__ = ["app", "fmus", "main", "measure", "report", "run", "study", "sweep"]

@@ -46,7 +46,8 @@ def over_distance(
     Raises
     ------
     ParameterError
-        If the way does not grow from record to record, or does not reach from start to stop.
+        If the way does not grow from record to record, or does not reach from start to stop, or
+        if a record is not a number.
     """
     way = np.asarray(distances(dataset), dtype=float)
     if not (np.diff(way) > 0.0).all():
@@ -58,9 +59,11 @@ def over_distance(
     count = max(1, math.ceil((stop - start) / step * (1.0 - 1e-9)))
     places = start + (stop - start) / count * np.arange(count)
     ordered = array.transpose("time", ...)
-    values = CubicSpline(way, ordered.to_numpy().astype(float), axis=0)(
-        np.clip(places, way[0], way[-1])
-    )
+    records = ordered.to_numpy().astype(float)
+    if not np.isfinite(records).all():
+        limit = "there are records that are not a number"
+        raise ParameterError(str(array.name or "signal"), None, limit, "take the part without")
+    values = CubicSpline(way, records, axis=0)(np.clip(places, way[0], way[-1]))
     others = [d for d in ordered.dims if d != "time"]
     about = {"units": "m", "long_name": "distance travelled by the leading wheelset"}
     return xr.DataArray(

@@ -150,7 +150,8 @@ def third_octaves(array: xr.DataArray, *, low: float = 1.0, high: float = 1000.0
             [np.interp(upper, edges, c) - np.interp(lower, edges, c) for c in flat.T], axis=1
         )
         sums[~usable] = np.nan
-        return np.sqrt(sums).reshape(len(middle), *values.shape[1:])
+        # Differences of sums are a little below 0 where there is nothing.
+        return np.sqrt(np.maximum(sums, 0.0)).reshape(len(middle), *values.shape[1:])
 
     coordinate = xr.Variable("frequency", middle, {**_FREQUENCY, "long_name": "mid-band frequency"})
     found = to_lines(

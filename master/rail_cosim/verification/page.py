@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import base64
-import platform
-from datetime import UTC, datetime
 from html import escape
-from importlib import metadata
 from pathlib import Path
 from string import Template
 
-from rail_cosim import version
 from rail_cosim.errors import ResultsError
+from rail_cosim.html import STYLE, made
 from rail_cosim.verification.plots import plots
 from rail_cosim.verification.rows import (
     Row,
@@ -31,19 +28,11 @@ _PAGE = Template("""<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>rail-cosim: verification</title>
 <style>
-body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 75em; margin: 2em auto;
-  padding: 0 1em; }
-h1, h2 { font-weight: 600; } h2 { margin-top: 2em; }
-table { border-collapse: collapse; width: 100%; font-size: 13.5px; }
-th, td { padding: .25em .6em; border-bottom: 1px solid #ddd; vertical-align: top;
-  text-align: left; }
-td.number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; }
+$style
 td.source { color: #666; font-size: 12.5px; min-width: 18em; }
 .pass { color: #00714f; } .FAIL { color: #b00000; font-weight: 700; }
 tr.FAIL { background: #fdeaea; }
 figure { margin: 2em 0; } figure img { max-width: 100%; }
-figcaption { font-weight: 600; margin-bottom: .4em; }
-footer { margin-top: 3em; color: #666; font-size: 13px; }
 </style>
 </head>
 <body>
@@ -86,7 +75,8 @@ def page(values: Values, command: str) -> str:
         result=result + (f", {failed} fail" if failed else ""),
         sections=sections,
         pictures=pictures,
-        made=escape(_made(command)),
+        style=STYLE,
+        made=escape(made(command, _LIBRARIES)),
     )
 
 
@@ -114,13 +104,4 @@ def _picture(title: str, png: bytes) -> str:
     return (
         f"<figure><figcaption>{escape(title)}</figcaption>"
         f'<img src="data:image/png;base64,{data}" alt="{escape(title)}"></figure>'
-    )
-
-
-def _made(command: str) -> str:
-    libraries = ", ".join(f"{name} {metadata.version(name)}" for name in _LIBRARIES)
-    now = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    return (
-        f"{command}; rail-cosim {version()}, Python {platform.python_version()} on "
-        f"{platform.system()} {platform.machine()}, {libraries}; {now}"
     )

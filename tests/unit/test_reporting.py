@@ -1,0 +1,266 @@
+"""The page of a run: what is on it, what is said of what is missing, and what is refused."""
+
+import base64
+import json
+import re
+
+import numpy as np
+import plotly.graph_objects as go
+import pytest
+import rail_cosim
+import xarray as xr
+from rail_cosim.errors import ResultsError
+from rail_cosim.reporting import ReportError, _sections, execute_report, page
+from rail_cosim.reporting.charts import POINTS, envelope, packed
+from rail_cosim.reporting.schematic import drawing, geometry
+from rail_cosim.reporting.sections import Figure, Table
+from synthetic import LOAD, whole_run
+
+TITLES = [
+    "What was run",
+    "Parameters that differ from the parameter set",
+    "Statistics",
+    "Ride comfort",
+    "Wheel forces",
+    "Accelerations",
+    "Spectra",
+    "Third-octave levels",
+    "Spectrogram",
+    "Quality of the co-simulation",
+    "All parameters",
+]
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return whole_run()
+
+
+def charts_of(text):
+    """Return the charts on a page."""
+    found = re.findall(r'<script type="application/json">(.*?)</script>', text, flags=re.DOTALL)
+    return [json.loads(one) for one in found]
+
+
+def values(packed_values):
+    return np.frombuffer(base64.b64decode(packed_values["bdata"]), "<f4")
+
+
+def test_all_sections_are_there_and_nothing_is_missing(whole):
+    sections = _sections(whole)
+    assert [section.title for section in sections] == TITLES
+    assert [section.missing for section in sections] == [[]] * len(sections)
+
+
+def test_every_chart_is_one_that_plotly_knows(whole):
+    charts = charts_of(page(whole))
+    assert len(charts) == 21
+    for chart in charts:
+        go.Figure(chart)
+        assert chart["layout"]["xaxis"]["title"]["text"]
+        for trace in chart["data"]:
+            shown = values(trace["z"] if trace["type"] == "heatmap" else trace["y"])
+            assert np.isfinite(shown).any()
+            assert not np.isinf(shown).any()
+
+
+def test_forces_on_the_page_are_those_of_the_run(whole):
+    charts = charts_of(page(whole))
+    (force,) = [
+        c
+        for c in charts
+        if c["layout"]["yaxis"]["title"]["text"] == "wheel force Q (kN)" and c["layout"]["shapes"]
+    ]
+    assert [t["name"] for t in force["data"]][:2] == ["wheelset 1 left", "wheelset 1 right"]
+    drawn = values(force["data"][0]["y"])
+    assert drawn.size <= POINTS + 2
+    expected = whole["vertical_wheel_force"].isel(wheelset=0, side=0).to_numpy() / 1e3
+    assert drawn.max() == pytest.approx(expected.max(), rel=1e-6)
+    assert drawn.min() == pytest.approx(expected.min(), rel=1e-6)
+    assert values(force["data"][0]["x"])[-1] == pytest.approx(whole["distance"].to_numpy()[-1])
+
+
+def test_statistics_on_the_page(whole):
+    tables = {
+        part.caption: part
+        for section in _sections(whole)
+        for part in section.parts
+        if isinstance(part, Table)
+    }
+    (wheels,) = [table for caption, table in tables.items() if "static load" in caption]
+    row = dict(zip(wheels.heads, wheels.rows[0], strict=True))
+    assert row["wheel"] == "wheelset 1 left"
+    assert float(row["mean (kN)"]) == pytest.approx(LOAD / 1e3, rel=1e-3)
+    assert float(row["dynamic factor"]) == pytest.approx(1.0 + 5.0 * 1.1 / 70.0, abs=0.01)
+    (passing,) = [table for caption, table in tables.items() if "harmonics" in caption]
+    assert float(passing.rows[0][1]) == pytest.approx(5.0, rel=0.01)
+    assert float(passing.rows[0][4]) == pytest.approx(0.5, rel=0.02)
+    assert "N_MV needs blocks of 5 s; this run is shorter" in tables
+
+
+def test_changed_parameters(whole):
+    table = _sections(whole)[1].parts[0]
+    assert table.rows == [["vehicle.speed", "80", "83.3"]]
+    nothing = _sections(whole_run(changed_parameters="{}"))[1]
+    assert nothing.parts[0].heads == ["none"]
+    older = whole.copy()
+    older.attrs = {k: v for k, v in whole.attrs.items() if k != "changed_parameters"}
+    assert "changed_parameters" in _sections(older)[1].missing[0]
+
+
+def test_the_page_needs_nothing_from_elsewhere(whole):
+    text = page(whole)
+    body = text.replace(text[text.index("<script>/**") : text.rindex("<script>")], "")
+    assert not re.search(r'(?:src|href)="(?!#|data:)', body)
+    assert "@import" not in body
+    assert "url(" not in body
+
+
+def test_names_cannot_break_out_of_the_page():
+    hostile = "</script><script>alert(1)</script>"
+    text = page(whole_run(command=hostile, line=hostile, **{f"track.{hostile}": hostile}))
+    assert hostile not in text
+    assert "&lt;/script&gt;&lt;script&gt;alert(1)" in text
+    data = whole_run().rename(bogie_vertical_acceleration="other")
+    assert len(charts_of(page(data))) == 19  # no chart was cut in two
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "axle_box_vertical_acceleration",
+        "vertical_wheel_force",
+        "guiding_force",
+        "car_body_floor_vertical_acceleration",
+        "window_start_position",
+        "wheelset_longitudinal_position",
+        "bogie_vertical_acceleration",
+        "window_slide_residual",
+        "distance",
+    ],
+)
+def test_a_run_without_something_still_has_its_page(whole, name):
+    """Another's FMU has fewer outputs; a missing distance is speed times time."""
+    assert "<h2>Spectrogram</h2>" in page(whole.drop_vars(name))
+
+
+def test_what_is_missing_is_said(whole):
+    data = whole.drop_vars(["axle_box_vertical_acceleration", "guiding_force"])
+    data = data.drop_vars(["vertical_wheel_force", "normal_force"])
+    text = page(data)
+    for name in ("axle_box_vertical_acceleration", "guiding_force", "vertical_wheel_force"):
+        assert f"Not shown: {name}" in text
+    bare = whole[["distance"]]
+    bare.attrs = {}
+    text = page(bare)
+    assert text.count("Not shown:") > 20
+    assert "wheelset_longitudinal_position: the picture cannot be drawn without it" in text
+
+
+def test_one_wheelset_without_bogies(whole):
+    names = [n for n, v in whole.items() if {"bogie", "floor_place"} & set(v.dims)]
+    single = whole.isel(wheelset=[0]).drop_vars(names)
+    assert 'aria-label="1 wheelsets in a window of 80.5 m"' in page(single)
+
+
+def test_values_that_are_not_numbers_do_not_stop_the_page(whole):
+    data = whole.copy(deep=True)
+    data["normal_force"][-50:] = np.nan
+    data["guiding_force"][-50:] = np.nan
+    data["vertical_wheel_force"][-50:] = np.nan
+    data["axle_box_vertical_acceleration"][-50:] = np.nan
+    for chart in charts_of(page(data)):
+        go.Figure(chart)
+
+
+def test_an_incomplete_run_says_so():
+    text = page(whole_run(complete=0, ended_by="stopped by the user after 7 of 9 steps"))
+    assert "Incomplete run: it ended early: stopped by the user after 7 of 9 steps." in text
+    assert "Incomplete run" not in page(whole_run())
+
+
+@pytest.mark.parametrize("records", [8, 20, 100, 700])
+def test_short_runs(whole, records):
+    assert "<h2>Statistics</h2>" in page(whole.isel(time=slice(records)))
+
+
+def test_a_long_run_is_not_a_large_page():
+    """One kilometre at 288 km/h and 0.1 ms; plotly.js alone has 4.8 MB."""
+    assert len(page(whole_run(1000.0)).encode()) < 10e6
+
+
+def test_envelope_keeps_peaks_and_ends():
+    x = np.arange(100000.0)
+    y = np.sin(x / 500.0)
+    y[54321], y[77777] = 9.0, -9.0
+    way, thinned = envelope(x, y, 1000)
+    assert way.size <= 1002
+    assert (np.diff(way) > 0.0).all()
+    assert way[thinned.argmax()] == 54321.0
+    assert way[thinned.argmin()] == 77777.0
+    assert (way[0], way[-1]) == (0.0, 99999.0)
+    gone = y.copy()
+    gone[::7] = np.nan
+    assert np.nanmax(envelope(x, gone, 1000)[1]) == 9.0
+    short = envelope(x[:900], y[:900], 1000)
+    assert short[0].size == 900
+
+
+def test_numbers_travel_exactly_in_32_bits():
+    array = np.arange(6.0).reshape(2, 3) / 7.0
+    sent = packed(array)
+    assert sent["shape"] == "2, 3"
+    np.testing.assert_array_equal(values(sent).reshape(2, 3), array.astype("f4"))
+
+
+def test_picture_is_to_scale(whole):
+    svg = drawing(geometry(whole))
+    circles = [float(x) for x in re.findall(r'<circle cx="([\d.]+)"', svg)]
+    scale = 1000.0 / (16 * 5.032)
+    assert np.diff(circles) == pytest.approx(np.array([-2.5, -15.3, -2.5]) * scale, abs=0.11)
+    assert circles[0] == pytest.approx(40.256 * scale, abs=0.1)
+    assert svg.count("<rect") > 16 + 128
+
+
+def test_files_that_are_no_runs_are_refused(tmp_path):
+    def refused(name, match):
+        with pytest.raises(ReportError, match=match) as caught:
+            execute_report(tmp_path / name, None, "")
+        assert caught.value.exit_status == 2
+        assert "\n" not in str(caught.value)
+
+    refused("none.nc", "there is no such file")
+    refused("", "it is a directory")
+    (tmp_path / "text.nc").write_text("no NetCDF")
+    refused("text.nc", "is no NetCDF file that can be read")
+    (tmp_path / "empty.nc").touch()
+    refused("empty.nc", "is no NetCDF file that can be read")
+    sweep = xr.Dataset({"error": ("speed", ["", "x"]), "normal_force_max": ("speed", [1.0, 2.0])})
+    sweep.to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
+    refused("sweep.nc", "result of a sweep, not of a run")
+    xr.Dataset({"a": ("b", [1.0])}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    refused("other.nc", "no dimension time")
+    few = whole_run().isel(time=slice(3))
+    few.to_netcdf(tmp_path / "few.nc", engine="h5netcdf")
+    refused("few.nc", "3 records, too few")
+
+
+def test_page_beside_the_run_and_through_python(tmp_path, whole):
+    whole.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    written = execute_report(tmp_path / "run.nc", None, "rail-cosim report run.nc")
+    assert written == tmp_path / "run.html"
+    assert "rail-cosim report run.nc; rail-cosim" in written.read_text()
+    with pytest.raises(ResultsError, match="is the run itself"):
+        execute_report(tmp_path / "run.nc", tmp_path / "run.nc", "")
+    made = rail_cosim.report(whole, tmp_path / "new" / "page.html")
+    assert made.stat().st_size > 5e6
+    with pytest.raises(ResultsError, match="cannot be written"):
+        rail_cosim.report(whole, tmp_path)
+
+
+def test_figures_have_titles(whole):
+    for section in _sections(whole):
+        for part in section.parts:
+            if isinstance(part, Figure):
+                assert part.title
+                assert bool(part.svg) != bool(part.chart)
