@@ -26,6 +26,8 @@ $(STAMP): pyproject.toml
 $(TOOLS): $(STAMP)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
 	  echo "The tools of others could not be installed: tests/tools will be skipped." >&2
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[browser]' || \
+	  echo "The browser's driver could not be installed: tests/browser will be skipped." >&2
 	@touch $@
 
 # Sets up, builds both FMUs, runs the HD line at 300 km/h; results and plots in results/.

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from rail_cosim.archives import opened, read_member
+from rail_cosim.description import FmuDescription
 from rail_cosim.errors import UnknownNameError
+from rail_cosim.parameters import checked
+from rail_cosim.slave import Value
 from rail_cosim.ssv import read_entries
 
 FOLDER = "resources/presets/"
@@ -33,3 +37,23 @@ def read_preset(fmu: Path, name: str, option: str) -> dict[str, str]:
         raise UnknownNameError(option, name, files, f"parameter set in {fmu.name}", wanted=name)
     entries = read_entries(files[name], f"{fmu}: {FOLDER}{name}.ssv")
     return {entry.name: entry.value for entry in entries}
+
+
+def preset_values(
+    descriptions: Mapping[str, FmuDescription], presets: Mapping[str, str]
+) -> dict[str, dict[str, Value]]:
+    """Return the checked values of the presets named for some slaves, by slave and parameter.
+
+    Raises
+    ------
+    UnknownNameError
+        If an FMU has no preset of this name.
+    ParameterError
+        If a value of it is not right.
+    """
+    option_of = {"track": "--line", "vehicle": "--vehicle"}
+    values = {}
+    for name, preset in presets.items():
+        found = read_preset(descriptions[name].path, preset, option_of[name])
+        values[name] = checked(name, descriptions[name].variables, found)
+    return values

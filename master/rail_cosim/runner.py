@@ -32,7 +32,7 @@ from rail_cosim.irregularity import irregularity_parameters
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
-from rail_cosim.presets import read_preset
+from rail_cosim.presets import preset_values
 from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorder import Recorder
 from rail_cosim.results import check_netcdf, check_writable
@@ -172,7 +172,7 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
             if text := foreign_remark(description.path):
                 reporter.notice(text)
     known = {name: about.variables for name, about in descriptions.items()}
-    changed = changed_attribute(known, _preset_values(descriptions, presets), parameters)
+    changed = changed_attribute(known, preset_values(descriptions, presets), parameters)
     dataset, outcome = simulate(options, descriptions, parameters, reporter, changed)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)
@@ -217,7 +217,7 @@ def gather_parameters(
     """
     known = {name: description.variables for name, description in descriptions.items()}
     values: dict[str, dict[str, Value]] = {name: {} for name in known}
-    values.update(_preset_values(descriptions, presets))
+    values.update(preset_values(descriptions, presets))
     for name, given in (bound or {}).items():
         values[name].update(checked(name, known[name], given))
     for source, target in PASSED.items():
@@ -240,17 +240,6 @@ def gather_parameters(
         )
         values["track"].update(checked("track", known["track"], found))
     values["track"].update(settings["track"])
-    return values
-
-
-def _preset_values(
-    descriptions: Mapping[str, FmuDescription], presets: Mapping[str, str]
-) -> dict[str, dict[str, Value]]:
-    option_of = {"track": "--line", "vehicle": "--vehicle"}
-    values = {}
-    for name, preset in presets.items():
-        found = read_preset(descriptions[name].path, preset, option_of[name])
-        values[name] = checked(name, descriptions[name].variables, found)
     return values
 
 
