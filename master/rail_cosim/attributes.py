@@ -10,9 +10,10 @@ from typing import Any
 
 from rail_cosim import version
 from rail_cosim.algorithms import Algorithm
+from rail_cosim.description import FmuDescription
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.simulation import Outcome
-from rail_cosim.slave import Slave, Value, Variable
+from rail_cosim.slave import Slave, Value
 from rail_cosim.steady import SteadyReport
 
 
@@ -43,7 +44,7 @@ CHANGED = "changed_parameters"
 
 
 def changed_attribute(
-    known: Mapping[str, Mapping[str, Variable]],
+    descriptions: Mapping[str, FmuDescription],
     usual: Mapping[str, Mapping[str, Value]],
     given: Mapping[str, Mapping[str, Value]],
 ) -> dict[str, str]:
@@ -51,8 +52,8 @@ def changed_attribute(
 
     Parameters
     ----------
-    known
-        Variables by slave and name: their start values are what holds without a parameter set.
+    descriptions
+        By slave; the variables' start values are what holds without a parameter set.
     usual, given
         Values of the parameter sets, and all that were set, by slave and name.
 
@@ -64,7 +65,7 @@ def changed_attribute(
     changed = {}
     for slave, values in given.items():
         for name, value in values.items():
-            before = usual.get(slave, {}).get(name, known[slave][name].start)
+            before = usual.get(slave, {}).get(name, descriptions[slave].variables[name].start)
             if value != before:
                 changed[f"{slave}.{name}"] = before
     return {CHANGED: json.dumps(changed)}

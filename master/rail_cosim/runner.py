@@ -171,8 +171,7 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         for description in descriptions.values():
             if text := foreign_remark(description.path):
                 reporter.notice(text)
-    known = {name: about.variables for name, about in descriptions.items()}
-    changed = changed_attribute(known, preset_values(descriptions, presets), parameters)
+    changed = changed_attribute(descriptions, preset_values(descriptions, presets), parameters)
     dataset, outcome = simulate(options, descriptions, parameters, reporter, changed)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)
@@ -293,9 +292,8 @@ def simulate(
             stop=_stop_rule(options, system, session.recorder, speed, step_size),
         )
         session.go_on(simulation)
-        steps = step_count(options.distance, speed, step_size)
-        if ramp is not None:
-            steps = ramp.step_count(step_size)
+        whole = step_count(options.distance, speed, step_size)
+        steps = whole if ramp is None else ramp.step_count(step_size)
         # Read now: after an error the FMUs answer no more.
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
         reporter.stage("stepping")
