@@ -28,7 +28,7 @@ def assert_same(one, other):
 
 @pytest.fixture(scope="module")
 def pairs(fmus):
-    """Runs of the pair in two processes, in the second one after another line's."""
+    """Run the pair in two processes, in the second one after another line's."""
     case = COMMON | {"vehicle": fmus.vehicle, "track": fmus.track}
     zx = case | {"line": "ZX", "distance": 2.0}
     first = fmus.call(runs, [case, case, case | {"record_every": EVERY}])
