@@ -21,8 +21,9 @@ from rail_cosim.errors import ParameterError
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import initialise
 from rail_cosim.options import RunOptions
+from rail_cosim.pace import running_speed, step_count
 from rail_cosim.recorder import Recorder
-from rail_cosim.runner import find_fmus, gather_parameters, running_speed, step_count
+from rail_cosim.runner import find_fmus, gather_parameters
 from rail_cosim.simulation import Simulation
 from rail_cosim.system import SystemStructure
 

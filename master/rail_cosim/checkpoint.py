@@ -30,7 +30,8 @@ from rail_cosim.simulation import Simulation
 FORMAT = 1
 INTERVAL = 60.0
 """Seconds between two checkpoints."""
-_FREE = ("out", "plot", "command", "resume", "checkpoint_interval")
+_FREE = ("out", "plot", "animate", "slow_motion", "exaggeration", "command", "resume")
+_FREE += ("checkpoint_interval",)
 
 
 class CheckpointError(RailCosimError):

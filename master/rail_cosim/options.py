@@ -56,6 +56,13 @@ class RunOptions:
         Whether to run FMUs that were not built here without saying so.
     out, plot
         NetCDF file and picture to write; ``None`` for none.
+    animate
+        Animation to write, .mp4 or .gif; ``None`` for none.
+    slow_motion
+        Seconds of the animation per second of the run.
+    exaggeration
+        Of vertical displacements in the animation; ``None``: so that the rails' largest is well
+        seen.
     resume
         Go on where a run with the same options and ``out`` was stopped (see
         :mod:`rail_cosim.checkpoint`).
@@ -81,6 +88,9 @@ class RunOptions:
     trust: bool = False
     out: Path | None = None
     plot: Path | None = None
+    animate: Path | None = None
+    slow_motion: float = 50.0
+    exaggeration: float | None = None
     resume: bool = False
     checkpoint_interval: float = 60.0
     command: str = ""
@@ -100,6 +110,8 @@ class RunOptions:
             ("--speed", self.speed, "km/h"),
             ("--until-steady", self.until_steady, ""),
             ("--final-speed", self.final_speed, "km/h"),
+            ("--slow-motion", self.slow_motion, ""),
+            ("--exaggeration", self.exaggeration, ""),
             ("--checkpoint-interval", self.checkpoint_interval, "s"),
         )
         for name, value, unit in limits:
@@ -110,6 +122,9 @@ class RunOptions:
             raise ParameterError("--final-speed", self.final_speed, limit, "omit --until-steady")
         if self.record_every < 1:
             raise ParameterError("--record-every", self.record_every, "must be at least 1")
+        if self.resume and self.animate is not None:
+            limit = "of the part that was run before nothing is known but the records"
+            raise ParameterError("--animate", str(self.animate), limit, "omit --resume")
         if self.resume and self.out is None:
             limit = "what was begun is found by its results"
             raise ParameterError("--resume", True, limit, "give the --out of the run begun")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import shlex
 import sys
 import warnings
@@ -14,6 +13,7 @@ from typing import Protocol
 import xarray as xr
 
 from rail_cosim.algorithms import GaussSeidel, make_algorithm
+from rail_cosim.animation import Film, check_animation, check_track, write_animation
 from rail_cosim.attributes import (
     changed_attribute,
     ended_by,
@@ -24,12 +24,13 @@ from rail_cosim.attributes import (
 from rail_cosim.builder import RECIPES, built_fmu
 from rail_cosim.checkpoint import INTERVAL
 from rail_cosim.description import FmuDescription, read_description
-from rail_cosim.errors import ParameterError, RunError, RunInterrupted
+from rail_cosim.errors import RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import PASSED, POSITION, SPEED, initialise
 from rail_cosim.interrupts import InterruptNote
 from rail_cosim.irregularity import irregularity_parameters
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
+from rail_cosim.pace import planned_time, running_speed, step_count
 from rail_cosim.parameters import checked, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import preset_values
@@ -44,8 +45,6 @@ from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
 from rail_cosim.trust import foreign_remark
-
-_LEADING_SPEED = "wheelset[1].longitudinal_velocity"
 
 
 class Reporter(Protocol):
@@ -96,6 +95,9 @@ def run(
     trust: bool = False,
     out: str | Path | None = None,
     plot: str | Path | None = None,
+    animate: str | Path | None = None,
+    slow_motion: float = 50.0,
+    exaggeration: float | None = None,
     resume: bool = False,
     checkpoint_interval: float = INTERVAL,
     reporter: Reporter | None = None,
@@ -107,6 +109,8 @@ def run(
     system, line, vehicle, track, distance, until_steady
         As in :class:`RunOptions`.
     macro_step, algorithm, record_every, trust, out, plot, resume, checkpoint_interval
+        As in :class:`RunOptions`.
+    animate, slow_motion, exaggeration
         As in :class:`RunOptions`.
     speed, final_speed
         In km/h, as on the command line.
@@ -142,6 +146,9 @@ def run(
         trust=trust,
         out=None if out is None else Path(out),
         plot=None if plot is None else Path(plot),
+        animate=None if animate is None else Path(animate),
+        slow_motion=slow_motion,
+        exaggeration=exaggeration,
         resume=resume,
         checkpoint_interval=checkpoint_interval,
         command=shlex.join(sys.argv),
@@ -156,6 +163,8 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
     if options.plot:
         check_format(options.plot)
         check_writable(options.plot)
+    if options.animate:
+        check_animation(options.animate)
     make_algorithm(options.algorithm)
     reporter.stage("finding the FMUs")
     if options.system is not None:
@@ -172,7 +181,13 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
             if text := foreign_remark(description.path):
                 reporter.notice(text)
     changed = changed_attribute(descriptions, preset_values(descriptions, presets), parameters)
-    dataset, outcome = simulate(options, descriptions, parameters, reporter, changed)
+    film = None
+    if options.animate:
+        check_track(descriptions["track"].variables, descriptions["track"].path.name)
+        film = Film(options.slow_motion)
+    dataset, outcome = simulate(options, descriptions, parameters, reporter, changed, film)
+    if film is not None and options.animate:
+        write_animation(film, options.animate, reporter, exaggeration=options.exaggeration)
     if options.plot and dataset.sizes["time"] > 1:
         plot_run(dataset, summarise(dataset), options.plot)
     if isinstance(outcome.error, KeyboardInterrupt):
@@ -248,10 +263,11 @@ def simulate(
     parameters: Mapping[str, Mapping[str, Value]],
     reporter: Reporter,
     attributes: Mapping[str, object] | None = None,
+    film: Film | None = None,
 ) -> tuple[xr.Dataset, Outcome]:
     """Run two FMUs with checked parameters; write the results; return them, and how it ended.
 
-    ``attributes`` are more for the Dataset.
+    ``attributes`` are more for the Dataset; ``film`` takes down what an animation is drawn from.
 
     Raises
     ------
@@ -276,7 +292,7 @@ def simulate(
             system,
             parameters=parameters,
             input_times=algorithm.input_times([slave.name for slave in slaves]),
-            stop_time=_planned_time(options, parameters, descriptions["vehicle"]),
+            stop_time=planned_time(options, parameters, descriptions["vehicle"]),
         )
         for remark in remarks:
             reporter.notice(remark)
@@ -290,10 +306,14 @@ def simulate(
             step_size=(step_size := _step_size(options, system, speed)),
             driver=(ramp := _ramp(options, system, speed)),
             stop=_stop_rule(options, system, session.recorder, speed, step_size),
+            observer=film,
         )
         session.go_on(simulation)
         whole = step_count(options.distance, speed, step_size)
         steps = whole if ramp is None else ramp.step_count(step_size)
+        if film is not None:
+            about = {"wheelsets": _wheelsets(system), "step_size": step_size, "steps": steps}
+            film.begin(system["track"], system["vehicle"], **about)
         # Read now: after an error the FMUs answer no more.
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
         reporter.stage("stepping")
@@ -311,6 +331,10 @@ def simulate(
         if options.out:
             reporter.stage(f"writing {options.out}")
         return session.finish(simulation, outcome, about), outcome
+
+
+def _wheelsets(system: SystemStructure) -> int:
+    return sum(c.name.endswith("].vertical_displacement") for c in system.connections)
 
 
 def _stop_rule(
@@ -344,54 +368,6 @@ def _step_size(options: RunOptions, system: SystemStructure, speed: float) -> fl
         return options.macro_step
     pitch = slab_pitch(system["track"])
     return fitted_step(pitch, speed, options.macro_step, options.record_every)
-
-
-def _planned_time(
-    options: RunOptions,
-    parameters: Mapping[str, Mapping[str, Value]],
-    vehicle: FmuDescription,
-) -> float:
-    """Return the planned end of the run as far as it is known before initialisation."""
-    default = vehicle.variables[SPEED].start if SPEED in vehicle.variables else None
-    speed = float(parameters["vehicle"].get(SPEED, default or 0.0))
-    if options.final_speed is not None:
-        speed = 0.5 * (speed + options.final_speed * KM_H)
-    count = step_count(options.distance, speed, options.macro_step) if speed > 0.0 else 1
-    return count * options.macro_step
-
-
-def running_speed(system: SystemStructure) -> float:
-    """Return the speed (m/s) of the initialised vehicle.
-
-    Raises
-    ------
-    ParameterError
-        If it stands still or runs backwards: then no distance is ever covered.
-    """
-    outputs = system.port("vehicle").outputs
-    if _LEADING_SPEED in outputs.names:
-        speed = float(outputs.values[outputs.names.index(_LEADING_SPEED)])
-    else:
-        speed = _parameter(system["vehicle"], SPEED)
-    if not speed > 0.0:
-        raise ParameterError("vehicle.speed", speed, "must be greater than 0 m/s")
-    return speed
-
-
-def _parameter(slave: Slave, name: str) -> float:
-    if name not in slave.variables:
-        raise ParameterError(
-            f"{slave.name}.{name}",
-            None,
-            f"the FMU has neither this parameter nor the output {_LEADING_SPEED}",
-            "so it is not known how many steps the distance takes; give the FMU one of them",
-        )
-    return float(slave.get([name])[name])
-
-
-def step_count(distance: float, speed: float, step_size: float) -> int:
-    """Return the number of steps in which ``distance`` (m) is covered, at least 1."""
-    return max(1, math.ceil(distance / (speed * step_size) * (1.0 - 1e-12)))
 
 
 def _pass_on_warnings(slaves: Sequence[Slave], reporter: Reporter) -> None:

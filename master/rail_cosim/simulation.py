@@ -59,6 +59,18 @@ class Driver(Protocol):
         ...
 
 
+class Observer(Protocol):
+    """Looks at the slaves after some steps."""
+
+    def due(self, step: int) -> bool:
+        """Whether to look after this step; 0 is the start."""
+        ...
+
+    def observe(self, time: float) -> None:
+        """Look at the slaves as they are at ``time`` (s)."""
+        ...
+
+
 class Watch(Protocol):
     """Is told between two steps, every so often, that the run goes on."""
 
@@ -129,6 +141,8 @@ class Simulation:
         Sets inputs of slaves before each step; ``None`` for nothing.
     stop
         Ends the run before all its steps are done; ``None`` for nothing.
+    observer
+        Looks at the slaves after some steps; ``None`` for nothing.
     """
 
     def __init__(
@@ -140,9 +154,11 @@ class Simulation:
         step_size: float,
         driver: Driver | None = None,
         stop: StopRule | None = None,
+        observer: Observer | None = None,
     ) -> None:
         self._system, self._algorithm, self.recorder = system, algorithm, recorder
         self._step_size, self._driver, self._stop = step_size, driver, stop
+        self._observer = observer
         times = algorithm.input_times([slave.name for slave in system.slaves])
         self._energy = InterfaceEnergy(system, times, step_size)
         self._done = 0
@@ -168,6 +184,8 @@ class Simulation:
         try:
             if self._done == 0 and len(self.recorder) == 0:
                 self.recorder.record(0.0)
+                if self._observer is not None:
+                    self._observer.observe(0.0)
             while self._done < steps:
                 until = min(steps, self._done + _BLOCK, stop.next_step if stop else steps)
                 self._block(until - self._done, note)
@@ -227,6 +245,7 @@ class Simulation:
     def _block(self, count: int, note: InterruptNote) -> None:
         ports, step_size = self._system.ports, self._step_size
         recorder, algorithm, energy = self.recorder, self._algorithm, self._energy
+        observer = self._observer
         for step in range(self._done + 1, self._done + count + 1):
             note.check()
             due = recorder.due(step)
@@ -239,6 +258,8 @@ class Simulation:
             if due:
                 recorder.record(step * step_size)
             self._done = step
+            if observer is not None and observer.due(step):
+                observer.observe(step * step_size)
 
     def _check_finite(self) -> None:
         for port in self._system.ports:

@@ -40,6 +40,7 @@ def _algorithms(typed: str) -> list[str]:
         "rail-cosim run --irregularity measured.csv --out run.nc",
         "rail-cosim run --speed 170 --out winter.nc --write-case winter.toml",
         "rail-cosim run winter.toml --distance 200",
+        "rail-cosim run --irregularity rail_joint --distance 20 --animate joint.mp4",
     )
 )
 def run(
@@ -119,6 +120,24 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(help="Picture: .png, .pdf or .svg.", metavar="FILE")
     ] = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option(
+            help="Animation of vehicle, rails, slabs and window: .mp4 or .gif.", metavar="FILE"
+        ),
+    ] = None,
+    slow_motion: Annotated[
+        float,
+        typer.Option(help="Seconds of the animation per second of the run.", metavar="TIMES"),
+    ] = 50.0,
+    exaggeration: Annotated[
+        float | None,
+        typer.Option(
+            help="Of vertical displacements in the animation; none: so that the rails' largest is "
+            "well seen.",
+            metavar="TIMES",
+        ),
+    ] = None,
     resume: Annotated[
         bool,
         typer.Option(
@@ -175,6 +194,9 @@ def run(
             "trust": trust,
             "out": out,
             "plot": plot,
+            "animate": animate,
+            "slow_motion": slow_motion,
+            "exaggeration": exaggeration,
             "resume": resume,
             "checkpoint_interval": checkpoint_interval,
         },
