@@ -61,7 +61,7 @@ def load_profile(kind: str, source: str, noise: float = 0.0) -> Profile:
         If the name is unknown or the file cannot be used; the message says why.
     """
     known = WHEELS if kind == "wheel" else RAILS
-    if source in known or not Path(source).is_file():
+    if source in known or not _is_file(source):
         return builtin_profile(kind, source)
     points = _read_points(kind, Path(source))
     return profile_from_points(kind, points, name=Path(source).name, noise=noise)
@@ -84,6 +84,7 @@ def profile_from_points(
     noise
         Standard deviation of the heights (m); 0 interpolates.
     """
+    _check_number(kind, points, name)
     ordered = points if points[-1, 0] > points[0, 0] else points[::-1]
     _check_points(kind, ordered, name)
     y, z = ordered[:, 0], ordered[:, 1]
@@ -96,13 +97,24 @@ def profile_from_points(
     return SplineProfile(name=name, spline=shifted, start=float(y[0]), end=float(y[-1]))
 
 
+def _is_file(source: str) -> bool:
+    try:
+        return Path(source).is_file()
+    except (OSError, ValueError):  # no name that a file can have
+        return False
+
+
 def _fine(y: FloatArray) -> FloatArray:
     return np.linspace(y[0], y[-1], 20 * y.size)
 
 
 def _read_points(kind: str, path: Path) -> FloatArray:
     scale, rows = 1e-3, []
-    text = path.read_text(encoding="utf-8", errors="replace")
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError as error:
+        reason = f"it cannot be read ({error.strerror or error})"
+        raise _refused(kind, path.name, reason, "check its permissions") from error
     for number, line in enumerate(text.splitlines(), start=1):
         content = line.strip()
         unit = _UNIT.match(content)
@@ -118,7 +130,7 @@ def _scale_of(kind: str, path: Path, unit: str) -> float:
     scales = {"mm": 1e-3, "m": 1.0}
     if unit not in scales:
         raise _refused(
-            kind, path.name, f"its unit is {unit!r}", "write '# unit: mm' or '# unit: m'"
+            kind, path.name, f"its unit is {unit[:60]!r}", "write '# unit: mm' or '# unit: m'"
         )
     return scales[unit]
 
@@ -132,13 +144,13 @@ def _row(kind: str, path: Path, number: int, content: str) -> list[float]:
         raise _refused(
             kind,
             path.name,
-            f"line {number} is {content!r}",
+            f"line {number} is {content[:60]!r}",
             "give two numbers a line, lateral coordinate and height, with decimal points",
         )
     return values
 
 
-def _check_points(kind: str, points: FloatArray, name: str) -> None:
+def _check_number(kind: str, points: FloatArray, name: str) -> None:
     if len(points) < MINIMUM_POINTS:
         raise _refused(
             kind,
@@ -146,6 +158,9 @@ def _check_points(kind: str, points: FloatArray, name: str) -> None:
             f"it has {len(points)} points",
             f"give at least {MINIMUM_POINTS}, closer where the profile is sharply curved",
         )
+
+
+def _check_points(kind: str, points: FloatArray, name: str) -> None:
     if not np.all(np.isfinite(points)):
         raise _refused(kind, name, "a value is not a finite number", "remove such points")
     y = points[:, 0]

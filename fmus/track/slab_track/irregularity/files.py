@@ -10,7 +10,8 @@ import csv
 import dataclasses
 import io
 import re
-from collections.abc import Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,7 @@ _DISTANCE_UNITS = {**_UNITS, "km": 1e3}
 _VALUE_UNITS = {**_UNITS, "mm": 1e-3}
 _HEADER = re.compile(r"^(?P<name>[^\[\](]*?)\s*(?:[\[(](?P<unit>[^\])]*)[\])])?$")
 _LARGEST = 0.1
+_LONGEST_QUOTE = 300
 _MOST_ROWS = 20_000_000
 
 
@@ -40,6 +42,8 @@ class IrregularityFileError(ParameterError):
     """The file of ``irregularity.file.path`` cannot be used."""
 
     def __init__(self, path: str, limit: str, remedy: str = "") -> None:
+        if len(limit) > _LONGEST_QUOTE:  # what is quoted may be no text at all
+            limit = limit[:_LONGEST_QUOTE] + "..."
         super().__init__("irregularity.file.path", path, limit, remedy)
 
 
@@ -56,17 +60,17 @@ def read_file(path: str) -> dict[str, FloatArray]:
     try:
         with Path(path).open("rb") as stream:
             start = stream.read(8)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise IrregularityFileError(
             path,
-            f"cannot be read: {error.strerror}",
+            f"cannot be read: {getattr(error, 'strerror', None) or error}",
             "a relative path counts from the working "
             "directory of the simulation tool: give the full path",
         ) from error
     if start[:4] in (b"CDF\x01", b"CDF\x02"):
-        columns = _read_classic(path)
+        columns = _undamaged(_read_classic, path)
     elif start == b"\x89HDF\r\n\x1a\n":
-        columns = _read_hdf5(path)
+        columns = _undamaged(_read_hdf5, path)
     elif start[:3] == b"CDF":
         raise IrregularityFileError(
             path, "is NetCDF in the CDF-5 variant", "write it as classic NetCDF 3 or as CSV"
@@ -75,6 +79,21 @@ def read_file(path: str) -> dict[str, FloatArray]:
         columns = _read_csv(path)
     _check(path, columns)
     return columns
+
+
+def _undamaged(read: Callable[[str], dict[str, FloatArray]], path: str) -> dict[str, FloatArray]:
+    """Read NetCDF; the libraries answer damage with errors of any kind."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return read(path)
+    except IrregularityFileError:
+        raise
+    except MemoryError as error:
+        raise IrregularityFileError(path, "is damaged: it claims to be huge") from error
+    except Exception as error:
+        limit = f"is damaged NetCDF ({type(error).__name__}: {error})"
+        raise IrregularityFileError(path, limit, "write it again") from error
 
 
 def _read_csv(path: str) -> dict[str, FloatArray]:
