@@ -79,7 +79,7 @@ class InterfaceEnergy:
         self, system: SystemStructure, input_times: Mapping[str, str], step_size: float
     ) -> None:
         track, vehicle = system.port("track"), system.port("vehicle")
-        forces, motions = _pairs(system)
+        forces, motions = self._names = _pairs(system)
         self._track, self._vehicle = track.outputs.values, vehicle.outputs.values
         self._force_at = np.array([track.outputs.names.index(n) for n in forces], dtype=np.intp)
         self._motion_at = np.array([vehicle.outputs.names.index(n) for n in motions], dtype=np.intp)
@@ -98,9 +98,25 @@ class InterfaceEnergy:
         self._track.take(self._force_at, out=self._forces[row], mode="clip")
         self._vehicle.take(self._motion_at, out=self._motions[row], mode="clip")
 
+    def places(self, system: SystemStructure) -> NDArray[np.intp]:
+        """Return the places on the system's board of what :meth:`take_in` wants."""
+        forces = [system.place_of("track", name) for name in self._names[0]]
+        motions = [system.place_of("vehicle", name) for name in self._names[1]]
+        return np.array(forces + motions, dtype=np.intp)
+
+    def take_in(self, rows: Array) -> None:
+        """Take in the values at the ends of some steps, shape (steps, places)."""
+        count = len(self._force_at)
+        for row in rows:
+            self._forces[self._row], self._motions[self._row] = row[:count], row[count:]
+            self._advance()
+
     def observe(self) -> None:
         """Take in the values at the end of a step."""
         self._store(self._row)
+        self._advance()
+
+    def _advance(self) -> None:
         self._row += 1
         if self._row == _BLOCK + 2:
             self._report = self.report()

@@ -25,6 +25,7 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 from fmpy.logging import addLoggerProxy
+from numpy.typing import NDArray
 
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import FmuFileError, RefusalError, SlaveError, StructureError
@@ -80,11 +81,22 @@ class FmuVector:
         references = [slave.variables[name].reference for name in self.names]
         self._references = np.array(references, dtype=np.uint32)  # keeps the memory alive
         self._reference_pointer = ctypes.c_void_p(self._references.ctypes.data)
-        self._value_pointer = ctypes.c_void_p(self.values.ctypes.data)
+        self.place(self.values)
         word = kind.capitalize()
         self._getter, self._setter = f"fmi2Get{word}", f"fmi2Set{word}"
         self._get, self._set = (slave.vector_call(f) for f in (self._getter, self._setter))
         self._count = len(self.names)
+
+    def place(self, buffer: NDArray) -> None:
+        """Take this array, of the same shape and type, as the buffer."""
+        self.values = buffer
+        self._value_pointer = ctypes.c_void_p(buffer.ctypes.data)
+
+    def addresses(self) -> tuple[int, int, int, int]:
+        """Return where getter, setter, value references and buffer are in memory."""
+        functions = (ctypes.cast(f, ctypes.c_void_p).value or 0 for f in (self._get, self._set))
+        getter, setter = functions
+        return getter, setter, self._references.ctypes.data, self.values.ctypes.data
 
     def read(self, count: int | None = None) -> None:
         """Copy values from the FMU into the buffer."""
@@ -121,6 +133,13 @@ class FmuSlave:
     name
         Instance name; messages begin with it.
 
+    Attributes
+    ----------
+    time
+        Start of the last step in s; ``None`` before the first.
+    rolls_back
+        Whether a state was ever saved: then steps may have to be taken back.
+
     Raises
     ------
     FmuFileError
@@ -134,8 +153,8 @@ class FmuSlave:
         self.description = description or read_description(path)
         self.component: ctypes.c_void_p | None = None
         self._log = Log()
-        self._time: float | None = None
-        self._rolls_back = False
+        self.time: float | None = None
+        self.rolls_back = False
         self._usable, self._may_free = True, True
         self._fmu = self._load(extract(path, self.description.guid))
         self._instantiate()
@@ -169,6 +188,11 @@ class FmuSlave:
             ) from error
         self.component = ctypes.c_void_p(cast(int, self._fmu.component))
         self._do_step = _STEP_CALL(("fmi2DoStep", self._fmu.dll))
+
+    def addresses(self) -> tuple[int, int]:
+        """Return where the instance and its ``fmi2DoStep`` are in memory."""
+        step = ctypes.cast(self._do_step, ctypes.c_void_p).value
+        return (self.component.value or 0 if self.component else 0), step or 0
 
     def vector_call(self, name: str) -> Any:
         """Return the C function that gets or sets variables of one kind."""
@@ -216,8 +240,8 @@ class FmuSlave:
 
     def do_step(self, time: float, step_size: float) -> None:
         """Advance from ``time`` by ``step_size`` seconds."""
-        self._time = time
-        status = self._do_step(self.component, time, step_size, not self._rolls_back)
+        self.time = time
+        status = self._do_step(self.component, time, step_size, not self.rolls_back)
         if status != Status.OK and status != Status.WARNING:
             self.fail("fmi2DoStep", status)
 
@@ -228,7 +252,7 @@ class FmuSlave:
                 f"{self.name}: {self.description.path.name} cannot save its state, which this "
                 "algorithm needs; take gauss-seidel or jacobi"
             )
-        self._rolls_back = True
+        self.rolls_back = True
         return self._call("getFMUstate")
 
     def restore_state(self, state: ctypes.c_void_p) -> None:
@@ -280,9 +304,9 @@ class FmuSlave:
         self._usable = known not in (Status.ERROR, Status.FATAL)
         self._may_free = known is not Status.FATAL
         said = self._log.problems()
-        refused = self._time is None and self._names_parameter(said)
+        refused = self.time is None and self._names_parameter(said)
         kind = RefusalError if refused else SlaveError
-        raise kind(self.name, call, known, said, self._time) from cause
+        raise kind(self.name, call, known, said, self.time) from cause
 
     def _names_parameter(self, messages: Sequence[Message]) -> bool:
         """Whether the FMU says which of its parameters it does not like."""

@@ -85,6 +85,26 @@ class Recorder:
             row[columns] = values
         self._row += 1  # last: an interrupted row does not count
 
+    def append(self, rows: Array) -> None:
+        """Take in records made elsewhere, shape (n, width)."""
+        while len(rows):
+            if self._row == _ROWS:
+                self._put_away()
+            count = min(len(rows), _ROWS - self._row)
+            self._block[self._row : self._row + count] = rows[:count]
+            self._row += count
+            rows = rows[count:]
+
+    def places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the columns of all real outputs, and of all integer outputs, port by port."""
+        reals, counters = [], []
+        for port in self._ports:
+            first = self._columns[port.slave.name].start
+            middle = first + len(port.outputs.names)
+            reals += range(first, middle)
+            counters += range(middle, middle + len(port.counters.names))
+        return np.array(reals, dtype=np.intp), np.array(counters, dtype=np.intp)
+
     def _put_away(self) -> None:
         if self.spool is None:
             self._full.append(self._block)

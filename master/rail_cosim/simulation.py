@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from rail_cosim.algorithms import Algorithm
 from rail_cosim.energy import EnergyReport, InterfaceEnergy
 from rail_cosim.errors import DivergenceError, RailCosimError
+from rail_cosim.fmu import FmuSlave
 from rail_cosim.interrupts import InterruptNote
+from rail_cosim.march import LONGEST, March
 from rail_cosim.recorder import Recorder
 from rail_cosim.steady import SteadyReport
 from rail_cosim.system import SystemStructure
 
 Progress = Callable[[int, int], None]
-_BLOCK = 200
 
 
 class StopRule(Protocol):
@@ -143,6 +144,9 @@ class Simulation:
         Ends the run before all its steps are done; ``None`` for nothing.
     observer
         Looks at the slaves after some steps; ``None`` for nothing.
+    compiled
+        Whether steps are made in compiled code where that can be (see
+        :mod:`rail_cosim.march`); the numbers are the same.
     """
 
     def __init__(
@@ -155,13 +159,28 @@ class Simulation:
         driver: Driver | None = None,
         stop: StopRule | None = None,
         observer: Observer | None = None,
+        compiled: bool = True,
     ) -> None:
         self._system, self._algorithm, self.recorder = system, algorithm, recorder
         self._step_size, self._driver, self._stop = step_size, driver, stop
         self._observer = observer
         times = algorithm.input_times([slave.name for slave in system.slaves])
         self._energy = InterfaceEnergy(system, times, step_size)
+        alone = driver is None and observer is None
+        self._march = self._compiled() if compiled and alone else None
         self._done = 0
+
+    def _compiled(self) -> March | None:
+        order = self._algorithm.order
+        fmus = all(isinstance(slave, FmuSlave) for slave in self._system.slaves)
+        if not fmus or order not in ("sequential", "simultaneous"):
+            return None
+        return March(
+            self._system,
+            sequential=order == "sequential",
+            recorder=self.recorder,
+            watched=self._energy.places(self._system),
+        )
 
     def run(
         self,
@@ -187,7 +206,7 @@ class Simulation:
                 if self._observer is not None:
                     self._observer.observe(0.0)
             while self._done < steps:
-                until = min(steps, self._done + _BLOCK, stop.next_step if stop else steps)
+                until = min(steps, self._done + LONGEST, stop.next_step if stop else steps)
                 self._block(until - self._done, note)
                 self._check_finite()
                 progress(self._done, steps)
@@ -243,6 +262,17 @@ class Simulation:
                 )
 
     def _block(self, count: int, note: InterruptNote) -> None:
+        if self._march is None:
+            self._one_by_one(count, note)
+            return
+        note.check()
+        try:
+            self._march.run(self._done, count, self._step_size)
+        finally:
+            self._done, seen = self._march.finished
+            self._energy.take_in(seen)
+
+    def _one_by_one(self, count: int, note: InterruptNote) -> None:
         ports, step_size = self._system.ports, self._step_size
         recorder, algorithm, energy = self.recorder, self._algorithm, self._energy
         observer = self._observer

@@ -75,12 +75,16 @@ class Vector(Protocol):
     names
         The variables' names.
     values
-        Buffer, shape (n,), of float64 for reals and int32 for integers; stays
-        the same array for the vector's life.
+        Buffer, shape (n,), of float64 for reals and int32 for integers; the same
+        array until :meth:`place` gives another.
     """
 
     names: tuple[str, ...]
     values: NDArray[Any]
+
+    def place(self, buffer: NDArray[Any]) -> None:
+        """Take this array, of the same shape and type, as the buffer."""
+        ...
 
     def read(self, count: int | None = None) -> None:
         """Copy the first ``count`` (default: all) values from the slave into the buffer."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from rail_cosim.connections import Connection, Unconnected, connect
 from rail_cosim.exchange import Link, Port
-from rail_cosim.slave import Slave
+from rail_cosim.slave import Slave, Vector
 
 
 class SystemStructure:
@@ -23,6 +23,11 @@ class SystemStructure:
         What is connected, and the inputs that nothing feeds.
     ports
         One per slave, in the same order.
+    board, feeds, counters
+        All ports' real outputs, inputs and integer outputs one after the other: the memory of
+        the ports' buffers.
+    sources
+        For each place in ``feeds`` the place in ``board`` that it is connected with.
 
     Raises
     ------
@@ -38,6 +43,10 @@ class SystemStructure:
             {slave.name: slave.variables for slave in slaves}
         )
         self.ports = tuple(self._port(slave) for slave in slaves)
+        self.board = _together([port.outputs for port in self.ports], np.float64)
+        self.feeds = _together([port.inputs for port in self.ports], np.float64)
+        self.counters = _together([port.counters for port in self.ports], np.int32)
+        self.sources = self._sources()
         for port in self.ports:
             port.links.extend(self._links(port))
 
@@ -68,6 +77,26 @@ class SystemStructure:
             coupled=len(coupled),
         )
 
+    def place_of(self, slave: str, name: str) -> int:
+        """Return where a real output is on the board."""
+        first = 0
+        for port in self.ports:
+            if port.slave.name == slave:
+                return first + port.outputs.names.index(name)
+            first += len(port.outputs.names)
+        raise KeyError(slave)
+
+    def _sources(self) -> NDArray[np.intp]:
+        sources = {(c.target, c.name): c.source for c in self.connections}
+        return np.array(
+            [
+                self.place_of(sources[port.slave.name, name], name)
+                for port in self.ports
+                for name in port.inputs.names
+            ],
+            dtype=np.intp,
+        )
+
     def _links(self, target: Port) -> list[Link]:
         links: list[Link] = []
         for source in self.ports:
@@ -87,6 +116,16 @@ class SystemStructure:
                     )
                 )
         return links
+
+
+def _together(vectors: Sequence[Vector], kind: type) -> NDArray:
+    """Move the buffers of vectors into one array, one after the other, and return it."""
+    whole = np.zeros(sum(len(vector.names) for vector in vectors), dtype=kind)
+    first = 0
+    for vector in vectors:
+        vector.place(whole[first : first + len(vector.names)])
+        first += len(vector.names)
+    return whole
 
 
 def _places(positions: list[int]) -> NDArray[np.intp] | slice:

@@ -17,6 +17,9 @@ class MockVector:
         self.slave, self.names = slave, tuple(names)
         self.values = np.zeros(len(self.names), dtype=np.int32 if kind == "integer" else float)
 
+    def place(self, buffer):
+        self.values = buffer
+
     def read(self, count=None):
         count = len(self.names) if count is None else count
         if not self.names:

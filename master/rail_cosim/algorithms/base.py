@@ -20,6 +20,8 @@ class Algorithm(Protocol):
     """
 
     name: ClassVar[str]
+    order: ClassVar[str]
+    """``sequential``, ``simultaneous`` or ``iterated``: how a step is made of calls."""
 
     def input_times(self, slaves: Sequence[str]) -> dict[str, str]:
         """Return what instant of a step each slave's inputs stand for.

@@ -19,6 +19,7 @@ class GaussSeidel(Forgetful):
     """
 
     name: ClassVar[str] = "gauss-seidel"
+    order: ClassVar[str] = "sequential"
 
     def input_times(self, slaves: Sequence[str]) -> dict[str, str]:
         """Return ``step_start`` for the first slave, ``step_end`` for those after it."""

@@ -32,6 +32,7 @@ class IterativeGaussSeidel:
     """
 
     name: ClassVar[str] = "iterative-gauss-seidel"
+    order: ClassVar[str] = "iterated"
 
     def __init__(self, *, tolerance: float = 1e-9, limit: int = 30) -> None:
         if not 0.0 < tolerance < 1.0:

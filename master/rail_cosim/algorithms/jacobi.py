@@ -17,6 +17,7 @@ class Jacobi(Forgetful):
     """
 
     name: ClassVar[str] = "jacobi"
+    order: ClassVar[str] = "simultaneous"
 
     def input_times(self, slaves: Sequence[str]) -> dict[str, str]:
         """Return ``step_start`` for all."""
