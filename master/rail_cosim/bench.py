@@ -13,7 +13,7 @@ import statistics
 import subprocess
 import sys
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rail_cosim.algorithms import make_algorithm
@@ -25,11 +25,13 @@ from rail_cosim.pace import running_speed, step_count
 from rail_cosim.recorder import Recorder
 from rail_cosim.runner import find_fmus, gather_parameters
 from rail_cosim.simulation import Simulation
+from rail_cosim.slave import Value
 from rail_cosim.system import SystemStructure
 
 REPETITIONS = 5
 _WARM_UP = 200
 _ALGORITHM = "gauss-seidel"
+_COST = "slab_track.cost"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -46,7 +48,13 @@ class Benchmark:
         Simulated seconds over CPU seconds: above 1 is faster than real time.
     microseconds_per_step
         Of a macro step: total; do_step of track and vehicle; the other FMI calls (set and get)
-        of both; recording (copying into the record); the rest, which is the master's.
+        of both; recording (copying into the record); the rest, which is the master's. The
+        calls are timed one by one from Python, the total is that of steps in compiled code:
+        so the parts may add up to a little more.
+    track_microseconds_per_step
+        Of the track's step, from its own package: rails, slabs, contact geometry, FASTSIM,
+        forces (wheels and rails solved together), slide, Python around them; ``slide_share``
+        is a part of the track's total (1). None for another track.
     load, setup
         Loading of both FMUs, and initialisation up to the first step: compiling or loading
         the compiled code, operators, static equilibrium.
@@ -60,6 +68,7 @@ class Benchmark:
     seconds_per_slab_length: float
     real_time_factor: float
     microseconds_per_step: dict[str, float]
+    track_microseconds_per_step: dict[str, float] | None
     load: float
     setup: float
     reference_seconds_per_slab_length: float | None
@@ -123,6 +132,7 @@ def benchmark(
     median = statistics.median(seconds)
     parts["total"] = 1e6 * median / steps
     parts["master"] = max(0.0, 2.0 * parts["total"] - sum(parts.values()))
+    within = None if options.track else _within_track(parameters["track"], 3.6 * speed, step)
     other = None if reference is None else _reference(reference)
     return Benchmark(
         speed_km_h=3.6 * speed,
@@ -131,6 +141,7 @@ def benchmark(
         seconds_per_slab_length=median,
         real_time_factor=steps * step / median,
         microseconds_per_step={name: round(value, 2) for name, value in parts.items()},
+        track_microseconds_per_step=within,
         load=loaded - begin,
         setup=ready - loaded,
         reference_seconds_per_slab_length=other,
@@ -166,6 +177,21 @@ def _parts(system: SystemStructure, time: float, step: float, count: int) -> dic
         name: 1e6 * statistics.median(values) * len(values) / count
         for name, values in times.items()
     }
+
+
+def _within_track(
+    parameters: Mapping[str, Value], speed: float, step: float
+) -> dict[str, float] | None:
+    """Return what the parts of the track's step cost, measured by its package in its own process.
+
+    Parameters that only the FMU has, such as ``coupling.input_time``, are left out.
+    """
+    command = [sys.executable, "-m", _COST, "--json", "--speed", repr(speed), "--step", repr(step)]
+    for name, value in parameters.items():
+        if not name.startswith("coupling."):
+            command += ["--track", f"{name}={value}"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    return json.loads(done.stdout) if done.returncode == 0 else None
 
 
 def _reference(script: Path) -> float:

@@ -20,6 +20,10 @@ def test_bench_tells_where_the_time_goes_and_compares(fmus: Product):
     assert found["ratio"] > 2.0
     assert 0.0 < parts["vehicle"] < parts["track"] < 1.5 * parts["total"]
     assert found["setup"] > 0.0
+    inside = found["track_microseconds_per_step"]
+    named = ("rails", "slabs", "contact_geometry", "fastsim", "forces", "slide", "python")
+    assert sum(inside[name] for name in named) == pytest.approx(inside["total"], rel=0.02)
+    assert inside["slide_share"] == pytest.approx(inside["slide"] / inside["total"])
 
 
 def test_bench_refuses_a_reference_that_is_not_there(fmus: Product, tmp_path):
