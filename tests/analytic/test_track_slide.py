@@ -11,7 +11,7 @@ from slab_track.irregularity.parameters import RailJointParameters
 from slab_track.parameters import Fastener, Rail, Slab, Window
 from slab_track.slide import slide_operator, slide_rail
 from slab_track.statics import static_coordinates
-from slab_track.window import modal_part
+from slab_track.window import modal_parts
 
 VERTICAL = ContactParameters(model="vertical")
 LOAD = HD.static_wheel_load
@@ -153,7 +153,9 @@ def _statics_error(parameters):
     assert np.max(np.abs(start)) < 1e-6 * np.max(np.abs(here.rail))
     field = np.max(np.abs(shape(moved.symmetric.rail[0]) - shape(there.rail)))
     fasteners = np.max(np.abs(moved.fastener_force[0] - there.fastener))
-    residual = moved.symmetric.compression - modal_part(model.linear, 0, moved.symmetric)
+    rails = np.stack([moved.symmetric.rail, moved.antisymmetric.rail])
+    slabs = [moved.symmetric.slab, moved.antisymmetric.slab]
+    residual = moved.symmetric.compression - modal_parts(model.linear, rails, slabs)[0]
     residual = np.max(np.abs(residual[0] - there.residual))
     return field / np.max(shape(there.rail)), fasteners / LOAD, residual, moved.slide_residual
 

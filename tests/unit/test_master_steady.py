@@ -85,6 +85,8 @@ def settling(*, tolerance, spacing=True, output="wheelset[1].left.normal_force")
 
 
 class Stepping(Forgetful):
+    order = "mine"
+
     def input_times(self, names):
         return dict.fromkeys(names, "step_start")
 

@@ -18,6 +18,7 @@ back: :math:`\Delta q = \Phi_w^T(\Phi_w\Phi_w^T)^{-1} r` for the misfits r at th
 article's Fig. 5 (a).
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -169,19 +170,55 @@ def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(scipy.linalg.solve_triangular(r, q.T @ target))
 
 
-def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
-    """Move modal coordinates (..., 2, N) of the rail by one slide.
+def slide_rails(
+    operator: SlideOperator,
+    rails: Sequence[tuple[RailModes, np.ndarray]],
+    waves: Sequence[np.ndarray] = (),
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Move modal coordinates of rails by one slide, all with one product.
 
     The branches combine to wave amplitudes of deflection and rotation, these
     slide, and separate again. The two participation vectors are orthogonal, so
     the way back is a projection.
+
+    Parameters
+    ----------
+    rails
+        Modes and coordinates (..., 2, N), whose modes have the same waves.
+    waves
+        Amplitudes (..., N) of fields that have one branch only.
+
+    Returns
+    -------
+    rails, waves
+        The same after the slide.
     """
-    z = np.sum(rail.deflection * coordinates, axis=-2) @ operator.deflection.T
-    psi = np.sum(rail.rotation * coordinates, axis=-2) @ operator.rotation.T
-    # Rows of (deflection, rotation) scaled to an orthogonal 2x2 matrix per wave number.
-    back_z = rail.deflection / np.sum(rail.deflection**2, axis=0)
-    back_psi = rail.rotation / np.sum(rail.rotation**2, axis=0)
-    return back_z * z[..., None, :] + back_psi * psi[..., None, :]
+    deflections = [np.sum(modes.deflection * values, axis=-2) for modes, values in rails]
+    rotations = [np.sum(modes.rotation * values, axis=-2) for modes, values in rails]
+    z = _moved(operator.deflection, [*deflections, *waves])
+    psi = _moved(operator.rotation, rotations)
+    moved = []
+    for (modes, _), deflection, rotation in zip(rails, z, psi, strict=False):
+        # Rows of (deflection, rotation) scaled to an orthogonal 2x2 matrix per wave number.
+        back_z = modes.deflection / (modes.deflection[0] ** 2 + modes.deflection[1] ** 2)
+        back_psi = modes.rotation / (modes.rotation[0] ** 2 + modes.rotation[1] ** 2)
+        moved.append(back_z * deflection[..., None, :] + back_psi * rotation[..., None, :])
+    return moved, z[len(rails) :]
+
+
+def _moved(matrix: np.ndarray, fields: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """Return ``matrix`` times each row of the fields (..., N), read once for all of them."""
+    count = matrix.shape[0]
+    rows = np.concatenate([field.reshape(-1, count) for field in fields]) @ matrix.T
+    ends = np.cumsum([field.size // count for field in fields])[:-1]
+    return [
+        part.reshape(field.shape) for part, field in zip(np.split(rows, ends), fields, strict=True)
+    ]
+
+
+def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
+    """Move modal coordinates (..., 2, N) of one rail by one slide, as :func:`slide_rails`."""
+    return slide_rails(operator, [(rail, coordinates)])[0][0]
 
 
 def keep_under_wheels(

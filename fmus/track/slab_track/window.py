@@ -1,5 +1,6 @@
 """Where the window lies, and what its slide does to everything that has memory."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack
 from slab_track.parameters import TrackParameters
 from slab_track.rail import RailModes
-from slab_track.slide import SlideOperator, keep_under_wheels, slide_rail
+from slab_track.slide import SlideOperator, keep_under_wheels, slide_rails
 from slab_track.state import FieldState
 
 END_MARGIN = 3.0
@@ -70,37 +71,62 @@ def slide_fields(
     seats = slabs * track.seat_count
     places = state.motion[:, 0] - state.window_start
 
-    def moved(modes: RailModes, weight: np.ndarray, old: np.ndarray) -> np.ndarray:
-        new = slide_rail(modes, operator, old)
-        if operator.constrained:
-            new = keep_under_wheels(modes, weight, places, operator.shift, old, new)
-        return new
+    def kept(modes: RailModes, weight: np.ndarray, old: np.ndarray, new: np.ndarray) -> np.ndarray:
+        if not operator.constrained:
+            return new
+        return keep_under_wheels(modes, weight, places, operator.shift, old, new)
 
-    old = np.stack([state.symmetric.rail, state.antisymmetric.rail])
-    new = moved(track.rail, track.participation, old)
-    changes: dict[str, Any] = {}
-    for symmetry, name in enumerate(("symmetric", "antisymmetric")):
-        field = getattr(state, name)
-        residual = operator.rows((field.compression - modal_part(track, symmetry, field)).T, seats)
-        slab = np.ascontiguousarray(operator.rows(field.slab.swapaxes(0, 1), slabs).swapaxes(0, 1))
-        moved_field = FieldState(new[symmetry], slab, residual.T)
-        changes[name] = moved_field._replace(
-            compression=residual.T + modal_part(track, symmetry, moved_field)
-        )
-    rails = np.empty_like(state.rails)
     bending = lateral.bending
-    rails[:, :, :2] = moved(bending, bending.deflection, state.rails[:, :, :2])
-    rails[:, :, 2] = state.rails[:, :, 2] @ operator.deflection.T
+    old = np.stack([state.symmetric.rail, state.antisymmetric.rail])
+    aside = state.rails[:, :, :2]
+    (new, new_aside), (turned,) = slide_rails(
+        operator, [(track.rail, old), (bending, aside)], [state.rails[:, :, 2]]
+    )
+    new = kept(track.rail, track.participation, old, new)
+    fields = (state.symmetric, state.antisymmetric)
+    left_out = np.stack([field.compression for field in fields])
+    left_out -= modal_parts(track, old, [field.slab for field in fields])
+    left_out = operator.rows(left_out.T, seats).T
+    slabs_moved = [
+        np.ascontiguousarray(operator.rows(field.slab.swapaxes(0, 1), slabs).swapaxes(0, 1))
+        for field in fields
+    ]
+    compression = left_out + modal_parts(track, new, slabs_moved)
+    changes: dict[str, Any] = {
+        name: FieldState(new[i], slabs_moved[i], compression[i])
+        for i, name in enumerate(("symmetric", "antisymmetric"))
+    }
+    rails = np.empty_like(state.rails)
+    rails[:, :, :2] = kept(bending, bending.deflection, aside, new_aside)
+    rails[:, :, 2] = turned
     changes["rails"] = rails
     changes["fastener_force"] = np.ascontiguousarray(operator.rows(state.fastener_force.T, seats).T)
     return changes, _residual(track, operator, old[:, 0], new[:, 0])
 
 
-def modal_part(track: LinearTrack, symmetry: int, field: FieldState) -> np.ndarray:
-    """Return the fasteners' compression by the modes of a field, m, and its rate, (2, P)."""
-    wave = np.sum(track.participation * field.rail[:2], axis=1)
-    under = field.slab[:2] @ track.slabs[symmetry].seats
-    return track.fold(wave.T).T @ track.fastener_sines - under.reshape(2, -1)
+def modal_parts(track: LinearTrack, rails: np.ndarray, slabs: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the fasteners' compression by the modes, m, and its rate, for both symmetries.
+
+    Parameters
+    ----------
+    rails
+        Modal coordinates of both symmetries, (2, 2 or more, 2, N).
+    slabs
+        Of the slabs, for each symmetry (2 or more, slabs, modes).
+
+    Returns
+    -------
+    ndarray
+        Shape (2, 2, P).
+    """
+    waves = np.sum(track.participation * rails[:, :2], axis=2).reshape(4, -1) * track.fold_sign
+    count = track.fastener_count
+    sums = np.array([np.bincount(track.fold_index, row, count) for row in waves])
+    under = [
+        (slab[:2] @ system.seats).reshape(2, -1)
+        for slab, system in zip(slabs, track.slabs, strict=True)
+    ]
+    return (sums @ track.fastener_sines).reshape(2, 2, -1) - np.stack(under)
 
 
 def _residual(
