@@ -29,7 +29,7 @@ from rail_cosim.toml_files import TABLE, flat, located, located_settings, read_t
 ENDING = ".toml"
 _SECTIONS = ("run", "set")
 _NUMBER = re.compile(r"[+-]?\d+(\.\d+)?(e[+-]?\d+)?")
-_OTHERS = ("settings", "command", "resume")  # fields of RunOptions that are no options of [run]
+_OTHERS = ("settings", "command", "resume", "trust")  # fields of RunOptions not for a file
 
 
 def option_names() -> list[str]:

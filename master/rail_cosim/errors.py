@@ -15,6 +15,22 @@ if TYPE_CHECKING:
 
     from rail_cosim.slave import Message, Status
 
+__all__ = [
+    "BuildError",
+    "DivergenceError",
+    "FmuFileError",
+    "ParameterError",
+    "RailCosimError",
+    "RefusalError",
+    "ResultsError",
+    "RunError",
+    "RunInterrupted",
+    "SlaveError",
+    "StructureError",
+    "UnknownNameError",
+    "nearest",
+]
+
 
 class RailCosimError(Exception):
     """Base of all errors that are the user's to see; the text is complete as it is."""

@@ -7,6 +7,7 @@ import math
 import numbers
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rail_cosim.algorithms import GaussSeidel
 from rail_cosim.errors import ParameterError
@@ -134,7 +135,7 @@ _KINDS = {"float": "a number", "int": "a whole number", "str": "a text", "Path":
 _KINDS["bool"] = "true or false"
 
 
-def _check_kind(field: dataclasses.Field, value: object) -> None:
+def _check_kind(field: dataclasses.Field[Any], value: object) -> None:
     """Refuse a value of the wrong type, which a file or a script may give."""
     kind = str(field.type).partition(" | ")[0]
     if kind not in _KINDS or (value is None and field.default is None):
@@ -146,5 +147,6 @@ def _check_kind(field: dataclasses.Field, value: object) -> None:
         "Path": Path,
         "bool": bool,
     }[kind]
-    if not isinstance(value, allowed) or isinstance(value, bool) != (kind == "bool"):
+    mixed = isinstance(value, bool) != (kind == "bool")  # to Python a bool is an int
+    if mixed or not isinstance(value, allowed):
         raise ParameterError("--" + field.name.replace("_", "-"), value, f"must be {_KINDS[kind]}")

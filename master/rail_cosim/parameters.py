@@ -12,7 +12,9 @@ SETTABLE = ("parameter", "input")
 _TRUE, _FALSE = ("true", "yes", "on", "1"), ("false", "no", "off", "0")
 
 
-def checked(owner: str, variables: Mapping[str, Variable], values: Mapping[str, object]) -> dict:
+def checked(
+    owner: str, variables: Mapping[str, Variable], values: Mapping[str, object]
+) -> dict[str, Value]:
     """Return ``values`` with each value in the type its variable has.
 
     Parameters
@@ -108,7 +110,9 @@ def _in(unit: str) -> str:
     return f" in{unit}" if unit else ""
 
 
-def parse_assignments(texts: list[str], owners: Mapping[str, Mapping[str, Variable]]) -> dict:
+def parse_assignments(
+    texts: list[str], owners: Mapping[str, Mapping[str, Variable]]
+) -> dict[str, dict[str, str]]:
     """Return ``{owner: {name: text}}`` from texts ``owner.name=value``.
 
     Raises

@@ -106,20 +106,58 @@ def run(
 
     Parameters
     ----------
-    system, line, vehicle, track, distance, until_steady
-        As in :class:`RunOptions`.
-    macro_step, algorithm, record_every, trust, out, plot, resume, checkpoint_interval
-        As in :class:`RunOptions`.
-    animate, slow_motion, exaggeration
-        As in :class:`RunOptions`.
-    speed, final_speed
-        In km/h, as on the command line.
+    system
+        An SSP package with a vehicle and a track, instead of ``line``, ``vehicle`` and ``track``.
+    line
+        Parameter set of the track: ``HD`` (its defaults), ``ZX``, ``paper``.
+    vehicle
+        Parameter set of the vehicle (``paper``, its defaults, or ``manchester1``), or the path
+        of another vehicle FMU.
+    track
+        Path of another track FMU.
+    speed
+        Running speed in km/h; the vehicle's own unless given.
+    distance
+        Way of the leading wheelset in m.
+    until_steady
+        End the run when it is steady: the largest relative change of wheel forces and axle-box
+        accelerations from slab to slab, 0.001 say. ``distance`` is then the largest way.
+    final_speed
+        Speed at the end of the distance in km/h, reached by uniform acceleration.
     irregularity
-        A spectrum of the track FMU, ``rail_joint``, or a file.
+        A spectrum of the track FMU, ``rail_joint``, or a file by distance.
     settings
         Parameter values by full name: ``{"track.fastener.vertical_stiffness": 40e6}``.
+    macro_step
+        Communication step in s; with ``until_steady`` at most that.
+    algorithm
+        ``gauss-seidel``, ``jacobi`` or ``iterative-gauss-seidel``.
+    record_every
+        Record each step (1), each second (2), ...
+    trust
+        Run FMUs that were not built here without a warning.
+    out
+        NetCDF file for the results.
+    plot
+        Picture of the run: ``.png``, ``.pdf`` or ``.svg``.
+    animate
+        Film of the run: ``.mp4`` or ``.gif``.
+    slow_motion
+        How many times slower than it happened, a factor.
+    exaggeration
+        Factor on displacements in the film.
+    resume
+        Go on where a run with the same arguments and ``out`` was stopped.
+    checkpoint_interval
+        Seconds of computing between two checkpoints of a run that has ``out``.
     reporter
         Told of stages, progress and warnings.
+
+    Returns
+    -------
+    xarray.Dataset
+        Outputs of both FMUs over ``time`` (s), by ``wheelset``, ``side`` and ``bogie``, with
+        ``units`` and ``long_name``; parameters, versions and quality of the run are attributes.
 
     Raises
     ------

@@ -234,7 +234,7 @@ def spectrum(time: Array, values: Array) -> tuple[Array, Array]:
     shaped = window.reshape(-1, *([1] * (values.ndim - 1)))
     lines = np.abs(np.fft.rfft(centred * shaped, axis=0)) * 2.0 / window.sum()
     step = (time[-1] - time[0]) / (count - 1)
-    return np.fft.rfftfreq(count, step), lines
+    return np.arange(count // 2 + 1) / (count * step), lines
 
 
 def dominant_frequency(time: Array, values: Array) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.slave import Value
@@ -49,11 +49,15 @@ def read_toml(path: Path, option: str, sections: Iterable[str]) -> dict[str, Any
     return content
 
 
+def _is_table(value: object) -> TypeGuard[Mapping[str, Any]]:
+    return isinstance(value, Mapping)
+
+
 def flat(table: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
     """Return the entries with dotted names; a table that is a range is one entry."""
     entries: list[tuple[str, Any]] = []
     for name, value in table.items():
-        if isinstance(value, Mapping) and set(value) != _RANGE:
+        if _is_table(value) and set(value) != _RANGE:
             entries += flat(value, f"{prefix}{name}.")
         else:
             entries.append((prefix + name, value))

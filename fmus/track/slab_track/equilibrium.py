@@ -1,5 +1,6 @@
 """Static equilibrium of wheelsets on the track: heights, forces, displaced rails."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -141,7 +142,7 @@ def level_contact(
     return wheels
 
 
-def unit_compliance(rest, count: int) -> np.ndarray:
+def unit_compliance(rest: Callable[[np.ndarray], np.ndarray], count: int) -> np.ndarray:
     """Return the static displacement (y, z, roll) of the axes per unit force on them.
 
     ``rest`` maps rail forces (w, 2, 3) to motions (w, 2, 6), linearly. Returns shape

@@ -8,6 +8,7 @@
 import contextlib
 import functools
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from slab_track.contact import Steel, build_tables
 from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT
 from slab_track.equilibrium import (
+    RailsAtRest,
     contact_at,
     level_contact,
     profile_equilibrium,
@@ -47,6 +49,7 @@ from slab_track.state import (
     WheelState,
     begin_motion,
 )
+from slab_track.statics import StaticSolution
 from slab_track.stepping import (
     GOOD,
     NEAR_THE_END,
@@ -98,14 +101,45 @@ class TrackOutputs(NamedTuple):
     contact: np.ndarray
     answers: np.ndarray
 
-    normal_force = property(lambda self: self.answers[0])
-    longitudinal_creep_force = property(lambda self: self.answers[1])
-    lateral_creep_force = property(lambda self: self.answers[2])
-    penetration = property(lambda self: self.answers[3])
-    contact_angle = property(lambda self: self.answers[4])
-    rail_deflection = property(lambda self: self.answers[5])
-    rail_lateral = property(lambda self: self.answers[6])
-    rail_roll = property(lambda self: self.answers[7])
+    @property
+    def normal_force(self) -> np.ndarray:
+        """Normal force of each wheel, N, (wheelsets, 2); positive in compression."""
+        return self.answers[0]
+
+    @property
+    def longitudinal_creep_force(self) -> np.ndarray:
+        """Longitudinal creep force of each wheel, N, (wheelsets, 2)."""
+        return self.answers[1]
+
+    @property
+    def lateral_creep_force(self) -> np.ndarray:
+        """Lateral creep force of each wheel, N, (wheelsets, 2)."""
+        return self.answers[2]
+
+    @property
+    def penetration(self) -> np.ndarray:
+        """Penetration of the patch that carries most, m, (wheelsets, 2)."""
+        return self.answers[3]
+
+    @property
+    def contact_angle(self) -> np.ndarray:
+        """Contact angle of the patch that carries most, rad, (wheelsets, 2)."""
+        return self.answers[4]
+
+    @property
+    def rail_deflection(self) -> np.ndarray:
+        """Deflection of the rail's axis under each wheel, m, (wheelsets, 2)."""
+        return self.answers[5]
+
+    @property
+    def rail_lateral(self) -> np.ndarray:
+        """Lateral displacement of the rail's head under each wheel, m, (wheelsets, 2)."""
+        return self.answers[6]
+
+    @property
+    def rail_roll(self) -> np.ndarray:
+        """Rotation of the rail under each wheel, rad, (wheelsets, 2)."""
+        return self.answers[7]
 
 
 class TrackModel:
@@ -216,15 +250,21 @@ class TrackModel:
     # -- start ---------------------------------------------------------------
 
     def default_positions(self) -> np.ndarray:
-        """Longitudinal positions of the article's vehicle at ``initial_position``, m."""
+        """Positions of the article's wheelsets at ``initial_position``, m, shape (wheelsets,)."""
         places = np.array(WHEELSET_PLACES[: self.parameters.wheelset_count])
         return self.parameters.initial_position - places
 
     def initial_state(self, motion: np.ndarray, time: float = 0.0) -> TrackState:
         """Return static equilibrium under ``static_wheel_load`` at the given wheelsets.
 
-        ``motion`` has shape (wheelsets, 11). Its vertical displacements do not enter
-        the equilibrium; they only say where the wheelsets are when the run begins.
+        Parameters
+        ----------
+        motion
+            Wheelset motion, shape (wheelsets, 11), m, rad, m/s and rad/s. Its vertical
+            displacements do not enter the equilibrium; they only say where the wheelsets are
+            when the run begins.
+        time
+            Of the state, s.
 
         Raises
         ------
@@ -239,7 +279,7 @@ class TrackModel:
         places = motion[:, 0] - start
         vertical = vertical_at_rest(self.linear, places)
 
-        def rest(force):
+        def rest(force: np.ndarray) -> RailsAtRest:
             return rails_at_rest(self.linear, lateral, places, force, vertical)
 
         heights, force = np.zeros(count), np.zeros((count, 2, 3))
@@ -260,7 +300,9 @@ class TrackModel:
         state.rails[:, 0] = rails.lateral
         return self.with_motion(state, motion)
 
-    def _equilibrium(self, rest, motion, offsets) -> tuple[np.ndarray, np.ndarray]:
+    def _equilibrium(
+        self, rest: Callable[[np.ndarray], RailsAtRest], motion: np.ndarray, offsets: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Heights of the wheelsets and forces on the rails under the static load."""
         load, count = self.parameters.static_wheel_load, motion.shape[0]
         if self.parameters.contact.model == "profiles":
@@ -274,6 +316,11 @@ class TrackModel:
 
     def state_of(self, vector: np.ndarray) -> TrackState:
         """Return the state of a saved vector.
+
+        Parameters
+        ----------
+        vector
+            ``TrackState.vector`` of a state of this model, shape (n,), in SI units.
 
         Raises
         ------
@@ -295,7 +342,7 @@ class TrackModel:
             return level_contact(rows, rails, offsets, self.half_distance, constant)
         return contact_at(self.contact, rows, rails, offsets)
 
-    def _field(self, symmetry: int, static) -> FieldState:
+    def _field(self, symmetry: int, static: StaticSolution) -> FieldState:
         rail = np.zeros((3, *static.rail.shape))
         slab = np.zeros((3, *static.slab.shape))
         rail[0], slab[0] = static.rail, static.slab
@@ -304,7 +351,15 @@ class TrackModel:
         return FieldState(rail, slab, compression)
 
     def with_motion(self, state: TrackState, motion: np.ndarray) -> TrackState:
-        """Return an initial state with other heights of the wheelsets and their forces."""
+        """Return an initial state with other heights of the wheelsets and their forces.
+
+        Parameters
+        ----------
+        state
+            From :meth:`initial_state`; not changed.
+        motion
+            Wheelset motion, shape (wheelsets, 11), m, rad, m/s and rad/s.
+        """
         wheels = WheelState.empty(motion.shape[0])._replace(rail=state.wheels.rail.copy())
         if self.interface != APPLIED:
             rows = motion.copy()
@@ -342,7 +397,7 @@ class TrackModel:
         state
             State at the start of the step; it is not changed.
         motion
-            Wheelset motion, shape (wheelsets, 11).
+            Wheelset motion, shape (wheelsets, 11), m, rad, m/s and rad/s.
         dt
             Communication step, s.
         at_end

@@ -281,7 +281,7 @@ class TrackState:
         return self.layout.view(self.vector, RAIL)[:, :, 1]
 
     def replace(self, **changes: Any) -> "TrackState":
-        """Return a state with other numbers, arrays or tuples of arrays by their names."""
+        """Return a state with some ``changes``: numbers, arrays or tuples of arrays by name."""
         changed = TrackState(self.layout, self.vector.copy())
         for name, value in changes.items():
             if name in _NUMBERS:

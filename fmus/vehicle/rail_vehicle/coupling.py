@@ -38,7 +38,7 @@ class ForceHistory:
         How long before the newest value each was valid, s, shape (n,), n <= 3,
         increasing from 0.
     forces
-        The values, shape (n, 4, 6).
+        The values, shape (n, 4, 6), N and N.m.
     """
 
     ages: Array
@@ -46,14 +46,14 @@ class ForceHistory:
 
     @classmethod
     def begin(cls, forces: Array) -> Self:
-        """Start with one value."""
+        """Start with one value: ``forces``, shape (4, 6), N and N.m."""
         return cls(np.zeros(1), np.array(forces, dtype=float)[None])
 
     def append(self, forces: Array, elapsed: float) -> Self:
-        """Return the history with a value ``elapsed`` seconds after the newest.
+        """Return the history with a value ``elapsed`` s after the newest.
 
-        With ``elapsed`` 0 the newest value is replaced: at a communication
-        point only the last value counts.
+        ``forces`` has shape (4, 6), N and N.m. With ``elapsed`` 0 the newest value is
+        replaced: at a communication point only the last value counts.
         """
         memory = ForceMemory(self)
         memory.append(np.ascontiguousarray(forces, dtype=float).reshape(24), elapsed)
@@ -61,7 +61,7 @@ class ForceHistory:
         return type(self)(made.ages, made.forces)
 
     def extrapolate(self, step: float, order: int) -> ForcePolynomial:
-        """Return the forces over a step of ``step`` seconds from the newest value on.
+        """Return the forces over a step of ``step`` (in s) from the newest value on.
 
         ``order`` 0 holds the value, 1 goes on along the last line, 2 along the
         last parabola; early in a run as many values are used as there are.

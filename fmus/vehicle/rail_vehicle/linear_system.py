@@ -1,6 +1,7 @@
 """The linear part of the vehicle as matrices, and as a first-order system."""
 
 import dataclasses
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,16 @@ class LinearSystem(NamedTuple):
     the 24 contact forces less the static ones, in the order of the array
     (4, 6); ``N`` takes the eight forces of the non-linear elements, with
     ``N.T @ q`` their elongations with the sign changed. The car body's x is to
-    be held; ``free`` are the coordinates other than that and the spins.
+    be held.
+
+    Attributes
+    ----------
+    mass, damping, stiffness
+        M, C and K, shape (50, 50), in SI units.
+    input_matrix, element_matrix
+        B, shape (50, 24), and N, shape (50, 8); levers in m.
+    free
+        Numbers of the coordinates other than the car body's x and the spins, shape (45,).
     """
 
     mass: Array
@@ -124,12 +134,12 @@ def first_order(parameters: VehicleParameters, system: LinearSystem) -> FirstOrd
         force_input=lower_half(inverse_mass[:, None] * system.input_matrix[FREE]),
         acceleration_input=np.concatenate([np.zeros(FREE_COUNT), inertia]),
         internal_input=lower_half(inverse_mass[:, None] * internal),
-        signals=_signals(system.element_matrix, np.concatenate([rolls, yaws])),
+        signals=_signals(system.element_matrix, [*map(int, rolls), *map(int, yaws)]),
         spin_inertia=parameters.wheelset.pitch_inertia,
     )
 
 
-def _signals(element_matrix: Array, angles: np.ndarray) -> Array:
+def _signals(element_matrix: Array, angles: Iterable[int]) -> Array:
     signals = np.zeros((SIGNAL_COUNT, STATE_COUNT))
     directions = -element_matrix.T[:, FREE]
     signals[:ELEMENT_COUNT, :FREE_COUNT] = directions

@@ -55,8 +55,11 @@ def _flat(forces: Array) -> Array:
 class VehicleState:
     """State of the vehicle as one vector of 104 numbers; never changed in place.
 
-    The vector is laid out as in :mod:`rail_vehicle.kernel`. It is all that
-    saving and restoring needs.
+    Attributes
+    ----------
+    vector
+        Shape (104,), in SI units, laid out as in :mod:`rail_vehicle.kernel`. It is all
+        that saving and restoring needs.
     """
 
     vector: Array
@@ -94,7 +97,7 @@ class VehicleState:
 
     @classmethod
     def of_vector(cls, vector: ArrayLike) -> Self:
-        """Make a state of a saved vector.
+        """Make a state of a saved ``vector``, shape (104,), in SI units.
 
         Raises
         ------
@@ -109,7 +112,15 @@ class VehicleState:
 
 @dataclasses.dataclass(frozen=True)
 class VehicleOutputs:
-    """Values of all outputs in the order of ``VehicleModel.output_table``."""
+    """Values of all outputs.
+
+    Attributes
+    ----------
+    vector
+        Shape (outputs,), in the order and the units of ``VehicleModel.output_table``.
+    index
+        Place of each output in it, by FMI name.
+    """
 
     vector: Array
     index: dict[str, int]
@@ -185,11 +196,16 @@ class VehicleModel:
     ) -> VehicleState:
         """Return the vehicle at rest in the moving frame, its wheelsets at given heights.
 
-        The wheelsets are held at these heights (m, downwards, shape (4,)),
-        upright and not yawed; everything else is in static equilibrium with
-        that. All bodies are then shifted sideways by the parameter
-        ``initial_lateral_displacement``, which strains no suspension. The wheels
-        roll at ``speed`` (by default the parameter's).
+        The wheelsets are held at these heights, upright and not yawed; everything else is in
+        static equilibrium with that. All bodies are then shifted sideways by the parameter
+        ``initial_lateral_displacement``, which strains no suspension.
+
+        Parameters
+        ----------
+        initial_vertical_displacement
+            Heights of the wheelsets, m, downwards, shape (4,).
+        speed
+            At which the wheels roll, m/s; the parameter's unless given.
         """
         heights = np.asarray(initial_vertical_displacement, dtype=float)
         speed = self.parameters.speed if speed is None else float(speed)
@@ -216,8 +232,14 @@ class VehicleModel:
     ) -> VehicleOutputs:
         """Return the outputs at a state.
 
-        ``forces`` are the contact forces, shape (4, 6); ``acceleration`` is that of the
-        car body along the line in m/s2.
+        Parameters
+        ----------
+        state
+            The state.
+        forces
+            Contact forces on the wheelsets, shape (4, 6), N and N.m.
+        acceleration
+            Of the car body along the line, m/s2.
         """
         result = np.empty(RESULT_COUNT)
         evaluate(
@@ -289,11 +311,11 @@ class VehicleModel:
         Parameters
         ----------
         vector
-            State at the start, shape (104 or more,); what follows it is not read.
+            State at the start, shape (104 or more,), SI units; what follows it is not read.
         forces
-            Contact forces at start and end and their quadratic part, shape (3, 24).
+            Contact forces at start and end and their quadratic part, shape (3, 24), N, N.m.
         dt, speed_setpoint
-            As for :meth:`step`.
+            In s and m/s, as for :meth:`step`.
         result
             Written: the state at the end, then what the outputs are made of, shape (145,);
             not the memory of ``vector``.

@@ -6,6 +6,10 @@ sparse matrix product. The first 44 are the motion of the four wheelsets in
 the order of the FMI terminal, 11 each.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy.sparse is typed in part only.)
+
 import dataclasses
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -42,7 +46,13 @@ from rail_vehicle.parameters import VehicleParameters
 
 
 class Output(NamedTuple):
-    """Name in the FMU, unit and meaning of one output."""
+    """One output.
+
+    Attributes
+    ----------
+    name, unit, description
+        As in the FMU: dotted name, SI unit, meaning.
+    """
 
     name: str
     unit: str

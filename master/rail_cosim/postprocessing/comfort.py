@@ -18,6 +18,10 @@ cubes over spectral lines do. The older tables give for a sine
 :math:`W_z = 0.896 \sqrt[10]{a^3 F(f)/f}` with piecewise F(f): see :func:`sperling_of_sine`.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import numpy as np
@@ -125,7 +129,7 @@ def mean_comfort(
 
 
 def comfort_in_words(index: float) -> str:
-    """Return what EN 12299 calls a mean comfort index."""
+    """Return what EN 12299 calls a mean comfort ``index`` (N_MV, dimensionless)."""
     words = ("very comfortable", "comfortable", "medium", "uncomfortable")
     for limit, word in zip((1.5, 2.5, 3.5, 4.5), words, strict=True):
         if index < limit:

@@ -17,6 +17,10 @@ A limit frequency is where the gain is -3 dB; the slope is at least 24 dB per oc
 (EN 14363:2016, annex on measured quantities): Butterworth filters of fourth order.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import numpy as np

@@ -6,6 +6,10 @@ from sleeper to sleeper, at any speed and while it changes. Over a whole number 
 all orders of sleepers and slabs are lines of their own, without leakage and without a window.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import math

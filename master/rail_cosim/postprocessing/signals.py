@@ -1,5 +1,9 @@
 """What all evaluations share: the records' time step, and functions applied along time."""
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable

@@ -4,6 +4,10 @@ Third octaves are those of IEC 61260-1 with base ten: :math:`G = 10^{3/10}`, mid
 :math:`f_m = 1000\,G^{x/3}` Hz for whole x, edges :math:`f_m G^{\pm 1/6}`.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import math
@@ -95,7 +99,7 @@ def amplitude_spectrum(array: xr.DataArray) -> xr.DataArray:
 def third_octave_bands(low: float, high: float) -> tuple[Array, Array, Array]:
     """Return lower edges, exact mid-band frequencies and upper edges in Hz, shape (bands,) each.
 
-    All bands whose nominal mid-band frequency is from ``low`` to ``high``.
+    All bands whose nominal mid-band frequency is from ``low`` to ``high`` (in Hz).
 
     Raises
     ------
@@ -110,7 +114,7 @@ def third_octave_bands(low: float, high: float) -> tuple[Array, Array, Array]:
 
 
 def nominal_frequencies(middle: Array) -> Array:
-    """Return the nominal frequencies (12.5 Hz, say) of exact mid-band ones, shape (bands,), Hz."""
+    """Return nominal frequencies (12.5, say) of exact ones ``middle``, both Hz, shape (bands,)."""
     number = np.rint(10.0 * np.log10(middle)).astype(int)
     return np.array(NOMINAL)[number % 10] * 10.0 ** (number // 10)
 

@@ -28,6 +28,10 @@ Sperling's comfort weighting (Garg and Dukkipati, *Dynamics of Railway Vehicle S
 k = 0.588 vertically and 0.737 laterally: the magnitude of a rational function, too.
 """
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (scipy and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import math
@@ -119,7 +123,7 @@ WEIGHTINGS = {
 
 
 def weighting(name: str) -> Weighting:
-    """Return a weighting by name.
+    """Return a weighting by ``name``: ``Wb``, ``Wd``, ...
 
     Raises
     ------

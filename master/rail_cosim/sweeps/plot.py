@@ -1,11 +1,16 @@
 """A picture of a sweep: a panel for each quantity, over one axis or two."""
 
+# pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
+# pyright: reportUnknownVariableType=false, reportMissingTypeStubs=false
+# (Matplotlib and xarray are typed in part only.)
+
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -151,7 +156,7 @@ def _family_label(values: xr.DataArray) -> str:
     return _axis(values[_roles(values)[0]])[1] if len(values.dims) == 2 else ""
 
 
-def _value_axis(axes: Axes, values: NDArray, unit: str) -> None:
+def _value_axis(axes: Axes, values: NDArray[np.float64], unit: str) -> None:
     """Label the axis, and do not blow up what is as good as constant."""
     axes.set_ylabel(_shown(unit))
     axes.ticklabel_format(axis="y", useOffset=False)
@@ -219,7 +224,7 @@ def _map(
     figure.colorbar(mesh, ax=axes, label=_shown(unit))
 
 
-def _axis(axis: xr.DataArray) -> tuple[list, str]:
+def _axis(axis: xr.DataArray) -> tuple[list[Any], str]:
     """Return the values of an axis as they are drawn, and its name with the unit."""
     name = str(axis.name)
     if not _numeric(axis):
@@ -236,7 +241,7 @@ def _shown(unit: str) -> str:
     return unit.replace("m/s2", "m/s²").replace("kg/m3", "kg/m³")
 
 
-def _scale(values: NDArray, unit: str) -> tuple[float, str]:
+def _scale(values: NDArray[np.float64], unit: str) -> tuple[float, str]:
     """Return a factor and the unit with the prefix for it: MN/m for 40e6 N/m."""
     if not unit.startswith(_PREFIXED) or not np.isfinite(values).any():
         return 1.0, unit

@@ -7,7 +7,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.options import RunOptions
@@ -71,10 +71,12 @@ class SweepSpecification:
         For anything that makes no sense.
     """
 
-    grid: Mapping[str, Sequence[Value]] = dataclasses.field(default_factory=dict)
+    grid: Mapping[str, Sequence[Value]] = dataclasses.field(
+        default_factory=dict[str, Sequence[Value]]
+    )
     points: Sequence[Mapping[str, Value]] = ()
-    run: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    settings: Mapping[str, Value] = dataclasses.field(default_factory=dict)
+    run: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
+    settings: Mapping[str, Value] = dataclasses.field(default_factory=dict[str, Value])
     keep: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=lambda: dict(KEPT))
     history: Sequence[str] = ()
     history_every: int = 1
@@ -186,11 +188,12 @@ def read_specification(path: Path) -> SweepSpecification:
 
 def _axis(name: str, value: Any) -> list[Value]:
     if isinstance(value, list):
-        return value
+        return cast("list[Value]", value)
     if not isinstance(value, Mapping):
         limit = "must be a list or {start = ..., stop = ..., step = ...}"
         raise ParameterError(f"grid.{name}", value, limit)
-    return steps(name, value["start"], value["stop"], value["step"])
+    ends = cast("Mapping[str, float]", value)
+    return steps(name, ends["start"], ends["stop"], ends["step"])
 
 
 def steps(name: str, start: float, stop: float, step: float) -> list[Value]:

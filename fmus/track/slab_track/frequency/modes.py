@@ -64,7 +64,17 @@ class Wheelset(ParameterSet):
     )
 
     def dynamic_stiffness(self, s: complex, symmetry: int, half_distance: float) -> complex:
-        """Return D(s) in N/m of one symmetry class, for wheels at -/+ ``half_distance`` m."""
+        """Return D(s) in N/m of one symmetry class.
+
+        Parameters
+        ----------
+        s
+            Of the time factor exp(s t), rad/s.
+        symmetry
+            ``SYMMETRIC`` (bounce) or ``ANTISYMMETRIC`` (roll).
+        half_distance
+            Half the distance of the rolling circles, m.
+        """
         lever = 2.0 * half_distance**2
         mass, frame = 0.5 * self.mass, 0.5 * self.frame_mass
         suspension = self.primary_stiffness + s * self.primary_damping
@@ -170,7 +180,15 @@ class CoupledSystem:
         self._response = VerticalResponse(self.track, self.positions, self.positions)
 
     def matrix(self, s: complex, symmetry: int = SYMMETRIC) -> np.ndarray:
-        """Return T(s), (w, w), in m/N."""
+        """Return T(s), shape (w, w), in m/N.
+
+        Parameters
+        ----------
+        s
+            Of the time factor exp(s t), rad/s.
+        symmetry
+            ``SYMMETRIC`` or ``ANTISYMMETRIC``.
+        """
         wheel = self.wheelset.dynamic_stiffness(s, symmetry, self._half_distance)
         result = np.array(self._response.solve(s, symmetry).rail, dtype=complex)
         result[np.diag_indices_from(result)] += self._contact_compliance + 1.0 / wheel
@@ -179,9 +197,14 @@ class CoupledSystem:
     def eigenvalues(
         self, symmetry: int = SYMMETRIC, guess: float | None = None
     ) -> list[tuple[complex, np.ndarray]]:
-        """Return one eigenvalue (rad/s) and vector of contact forces per wheelset.
+        """Return one eigenvalue (rad/s) and vector of contact forces, shape (w,), per wheelset.
 
-        The search starts at ``guess`` in Hz, the P2 frequency by eq. (16) unless given.
+        Parameters
+        ----------
+        symmetry
+            ``SYMMETRIC`` or ``ANTISYMMETRIC``.
+        guess
+            Hz, where the search starts; the P2 frequency by eq. (16) unless given.
 
         Raises
         ------
@@ -232,7 +255,19 @@ class CoupledSystem:
         *,
         points_per_bay: int = 8,
     ) -> CoupledMode:
-        """Return the shapes that belong to an eigenvalue and its contact forces (w,)."""
+        """Return the shapes that belong to an eigenvalue.
+
+        Parameters
+        ----------
+        eigenvalue
+            rad/s, as from :meth:`eigenvalues`.
+        contact_force
+            Its vector, shape (w,), of any unit: the shapes are scaled.
+        symmetry
+            ``SYMMETRIC`` or ``ANTISYMMETRIC``.
+        points_per_bay
+            Number of points of the rail's shape between two fasteners.
+        """
         track, s = self.track, eigenvalue
         bays = track.fastener_count
         x = np.linspace(0.0, track.length, bays * points_per_bay + 1)
@@ -287,7 +322,23 @@ def coupled_modes(
     contact_stiffness: float | None = None,
     guess: float | None = None,
 ) -> list[CoupledMode]:
-    """Return one coupled mode per wheelset, by rising frequency; see :class:`CoupledSystem`."""
+    """Return one coupled mode per wheelset, by rising frequency; see :class:`CoupledSystem`.
+
+    Parameters
+    ----------
+    p
+        The track.
+    wheelset
+        What stands on it.
+    positions
+        Places of the wheelsets, m from the window's start, shape (w,).
+    symmetry
+        ``SYMMETRIC`` or ``ANTISYMMETRIC``.
+    contact_stiffness
+        Of each wheel, N/m; that of eq. (1) under ``static_wheel_load`` unless given.
+    guess
+        Hz, where the search starts; the P2 frequency by eq. (16) unless given.
+    """
     system = CoupledSystem(p, wheelset, positions, contact_stiffness=contact_stiffness)
     found = system.eigenvalues(symmetry, guess)
     found.sort(key=lambda pair: abs(pair[0]))

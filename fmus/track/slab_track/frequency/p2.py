@@ -51,7 +51,7 @@ def p2_formula(p: TrackParameters, wheel_mass: float, *, spacing: float | None =
 
 
 def resonance_speed(frequency: float, spacing: float) -> float:
-    """Return the speed in m/s at which fasteners ``spacing`` m apart are passed at a frequency."""
+    """Return the speed in m/s at which fasteners ``spacing`` m apart pass at ``frequency`` Hz."""
     return frequency * spacing
 
 

@@ -62,7 +62,13 @@ class Receptance(NamedTuple):
 
 
 class Middle(NamedTuple):
-    """Places nearest to the middle of the window, far from its hinges; m from its start."""
+    """Places nearest to the middle of the window, far from its hinges; m from its start.
+
+    Attributes
+    ----------
+    mid_bay, fastener
+        Half-way between two fasteners, and over the one behind it, m.
+    """
 
     mid_bay: float
     fastener: float

@@ -19,6 +19,7 @@ Only P x P systems are solved, P fasteners per rail. :math:`s = i\omega` gives r
 complex s eigenmodes.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -167,7 +168,7 @@ def _admittance(
     return track.fastener_admittance(real, slab_weight, symmetry) + 1j * of_rail
 
 
-def _apart(function, values: np.ndarray) -> np.ndarray:
+def _apart(function: Callable[[np.ndarray], np.ndarray], values: np.ndarray) -> np.ndarray:
     """Apply a real linear function to complex values."""
     if np.isrealobj(values):
         return function(values)
