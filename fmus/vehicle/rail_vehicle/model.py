@@ -317,10 +317,10 @@ class VehicleModel:
         dt, speed_setpoint
             In s and m/s, as for :meth:`step`.
         result
-            Written: the state at the end, then what the outputs are made of, shape (145,);
-            not the memory of ``vector``.
+            Written: the state at the end, then what the outputs are made of, shape (145,),
+            SI units; not the memory of ``vector``.
         outputs
-            Written: all outputs, in the order of ``output_table``.
+            Written: all outputs, in the order and the units of ``output_table``.
 
         Raises
         ------
