@@ -209,7 +209,7 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         package = read_ssp(options.system)
         for remark in package.remarks:
             reporter.notice(remark)
-        descriptions, presets = dict(package.descriptions), {}
+        descriptions, presets = dict(package.descriptions), dict[str, str]()
         parameters = gather_parameters(options, descriptions, presets, package.parameters)
     else:
         descriptions, presets = find_fmus(options)
