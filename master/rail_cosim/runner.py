@@ -5,10 +5,8 @@ from __future__ import annotations
 import contextlib
 import shlex
 import sys
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
 
 import xarray as xr
 
@@ -36,6 +34,7 @@ from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import preset_values
 from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorder import Recorder
+from rail_cosim.reporter import Quiet, Reporter
 from rail_cosim.results import check_netcdf, check_writable
 from rail_cosim.session import Session, begun_run
 from rail_cosim.simulation import Outcome, Simulation
@@ -45,36 +44,6 @@ from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
 from rail_cosim.trust import foreign_remark
-
-
-class Reporter(Protocol):
-    """What a run tells while it goes on."""
-
-    def stage(self, text: str) -> None:
-        """Say what is being done now."""
-        ...
-
-    def progress(self, done: int, planned: int) -> None:
-        """Say how many macro steps are done."""
-        ...
-
-    def notice(self, text: str) -> None:
-        """Pass on a warning of an FMU."""
-        ...
-
-
-class Quiet:
-    """Reporter for scripts: notices are Python warnings, nothing else is said."""
-
-    def stage(self, text: str) -> None:
-        """Say nothing."""
-
-    def progress(self, done: int, planned: int) -> None:
-        """Say nothing."""
-
-    def notice(self, text: str) -> None:
-        """Warn."""
-        warnings.warn(text, stacklevel=2)
 
 
 def run(
@@ -143,9 +112,9 @@ def run(
     animate
         Film of the run: ``.mp4`` or ``.gif``.
     slow_motion
-        How many times slower than it happened, a factor.
+        Seconds of the film per second of the run.
     exaggeration
-        Factor on displacements in the film.
+        Factor on vertical displacements in the film; a fitting one unless given.
     resume
         Go on where a run with the same arguments and ``out`` was stopped.
     checkpoint_interval

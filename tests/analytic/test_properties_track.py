@@ -89,8 +89,7 @@ def test_every_track_rests_under_its_wheelsets(count, contact):
 
 @counts(10, 100)
 def test_no_track_gives_more_than_it_got(count, contact):
-    """From rest the work of any forces on the rail heads is never negative: all of it is stored
-    or lost."""
+    """From rest the work of any forces on the rail heads is stored or lost: never negative."""
     loose = SMALL.replace(interface="applied_force", static_wheel_load=0.0)
 
     @examples(count)

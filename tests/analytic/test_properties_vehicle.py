@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from random_parameters import examples, parameter_sets
 from rail_vehicle import VehicleModel, VehicleParameters
 from rail_vehicle.coordinates import FREE
+from random_parameters import examples, parameter_sets
 from vehicle_reference import mirror, state_with
 
 DEFAULTS = VehicleParameters(

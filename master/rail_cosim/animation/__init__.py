@@ -15,7 +15,7 @@ from rail_cosim.errors import ParameterError, ResultsError
 from rail_cosim.results import check_writable
 
 if TYPE_CHECKING:
-    from rail_cosim.runner import Reporter
+    from rail_cosim.reporter import Reporter
 
 __all__ = ["FORMATS", "Film", "check_animation", "check_track", "write_animation"]
 

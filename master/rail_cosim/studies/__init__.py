@@ -18,7 +18,7 @@ from rail_cosim.slave import Value
 from rail_cosim.studies.base import StudyOptions, StudyResult, make_directory
 
 if TYPE_CHECKING:
-    from rail_cosim.runner import Reporter
+    from rail_cosim.reporter import Reporter
 
 __all__ = ["ALL", "STUDIES", "StudyOptions", "StudyResult", "run_study", "study"]
 
@@ -93,7 +93,7 @@ def study(
     RailCosimError
         If it cannot be done.
     """
-    from rail_cosim.runner import Quiet
+    from rail_cosim.reporter import Quiet
 
     options = StudyOptions(
         out=Path(out),

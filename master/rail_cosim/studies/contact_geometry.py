@@ -15,8 +15,8 @@ from rich.table import Table
 
 from rail_cosim.builder import child_environment
 from rail_cosim.errors import ParameterError, RailCosimError, UnknownNameError
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.plots import plot_contact_geometry
 

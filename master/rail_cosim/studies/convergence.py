@@ -15,8 +15,8 @@ import xarray as xr
 from rich.table import Table
 
 from rail_cosim.errors import RailCosimError
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter
 from rail_cosim.slave import Value
 from rail_cosim.studies.article import BOX, FORCE, STIFFNESS, specification_settings
 from rail_cosim.studies.base import StudyOptions, StudyResult

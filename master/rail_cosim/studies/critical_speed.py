@@ -17,8 +17,9 @@ from rich.table import Table
 
 from rail_cosim.errors import ParameterError, RailCosimError, RunError, RunInterrupted
 from rail_cosim.options import KM_H, RunOptions
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter, execute
+from rail_cosim.runner import execute
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.decay import LateralMotion, analyse
 from rail_cosim.studies.plots import plot_critical_speed

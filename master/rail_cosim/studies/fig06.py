@@ -11,8 +11,9 @@ import xarray as xr
 from rich.table import Table
 
 from rail_cosim.options import RunOptions
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter, execute
+from rail_cosim.runner import execute
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.slide import LEVEL
 from rail_cosim.studies.slide_plots import plot_joint

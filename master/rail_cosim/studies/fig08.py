@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from rail_cosim.runner import Reporter
+from rail_cosim.reporter import Reporter
 from rail_cosim.studies import article, passing
 from rail_cosim.studies.article import BOX, STIFFNESS, Check
 from rail_cosim.studies.base import StudyOptions, StudyResult

@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rail_cosim.runner import Reporter
+from rail_cosim.reporter import Reporter
 from rail_cosim.studies import article, passing
 from rail_cosim.studies.article import BOX, STIFFNESS, Check
 from rail_cosim.studies.article_plots import panels

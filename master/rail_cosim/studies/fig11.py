@@ -7,7 +7,7 @@ from pathlib import Path
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rail_cosim.runner import Reporter
+from rail_cosim.reporter import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import GRAVITY, STIFFNESS, Check, p2_frequency
 from rail_cosim.studies.article_plots import curves, panels

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rail_cosim.runner import Reporter
+from rail_cosim.reporter import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import DAMPING, FORCE, STIFFNESS, Check
 from rail_cosim.studies.article_plots import curves, panels

@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import Check
 from rail_cosim.studies.article_plots import panels

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from scipy.signal import find_peaks
 
-from rail_cosim.runner import Reporter
+from rail_cosim.reporter import Reporter
 from rail_cosim.studies import article
 from rail_cosim.studies.article import BOX, FORCE, GRAVITY, Check
 from rail_cosim.studies.article_plots import Draw, panels

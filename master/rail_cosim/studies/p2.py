@@ -6,8 +6,8 @@ import numpy as np
 import xarray as xr
 from rich.table import Table
 
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.frequency_plots import plot_p2
 from rail_cosim.studies.track_frequency import TrackTable, compute

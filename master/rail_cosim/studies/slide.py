@@ -10,8 +10,9 @@ from rich.table import Table
 
 from rail_cosim.errors import RunError, RunInterrupted
 from rail_cosim.options import RunOptions
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter, execute
+from rail_cosim.runner import execute
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.slide_plots import plot_slide
 

@@ -19,8 +19,9 @@ from rich.table import Table
 from rail_cosim.errors import RunError
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.options import RunOptions
+from rail_cosim.reporter import Reporter
 from rail_cosim.results import check_netcdf, write_netcdf
-from rail_cosim.runner import Reporter, execute, find_fmus, gather_parameters
+from rail_cosim.runner import execute, find_fmus, gather_parameters
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.slide import LEVEL
 from rail_cosim.studies.table1_plot import plot_models

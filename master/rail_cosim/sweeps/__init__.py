@@ -39,7 +39,7 @@ from rail_cosim.trust import foreign_remark
 if TYPE_CHECKING:
     from distributed import Client
 
-    from rail_cosim.runner import Reporter
+    from rail_cosim.reporter import Reporter
 
 __all__ = [
     "KEPT",
@@ -108,7 +108,7 @@ def sweep(
     RailCosimError
         If nothing can be run. Points that fail are in the result.
     """
-    from rail_cosim.runner import Quiet
+    from rail_cosim.reporter import Quiet
 
     if specification is None:
         specification = SweepSpecification(

@@ -18,7 +18,7 @@ from rail_cosim.verification.page import write_page
 from rail_cosim.verification.rows import Curve, Row, Values
 
 if TYPE_CHECKING:
-    from rail_cosim.runner import Reporter
+    from rail_cosim.reporter import Reporter
 
 __all__ = ["PAGE", "Curve", "Row", "Values", "execute_verification", "gather", "verify"]
 
@@ -72,7 +72,7 @@ def verify(
     RailCosimError
         If a value cannot be computed, or the page not written.
     """
-    from rail_cosim.runner import Quiet
+    from rail_cosim.reporter import Quiet
 
     command = shlex.join(sys.argv)
     return execute_verification(Path(out), command, reporter or Quiet(), full=full)

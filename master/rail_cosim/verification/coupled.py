@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rail_cosim.options import KM_H, RunOptions
-from rail_cosim.runner import Reporter, execute
+from rail_cosim.reporter import Reporter
+from rail_cosim.runner import execute
 from rail_cosim.studies import StudyOptions, run_study
 from rail_cosim.studies.slide import BEHIND, LEVEL
 from rail_cosim.summary import periods, spectrum, summarise
