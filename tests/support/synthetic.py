@@ -37,7 +37,7 @@ def run(time: np.ndarray, distance: np.ndarray, **variables: xr.DataArray) -> xr
     return xr.Dataset({"distance": ("time", distance), **variables}, {"time": time}, about)
 
 
-def whole_run(distance: float = 60.0, rate: float = 10000.0, **attributes: object) -> xr.Dataset:
+def whole_run(distance: float = 60.0, rate: float = 5000.0, **attributes: object) -> xr.Dataset:
     """Return a run with everything that a report shows; forces and accelerations are sines."""
     time = times(distance / 80.0, rate)
     way = 80.0 * time

@@ -10,7 +10,7 @@ import pytest
 import rail_cosim
 import xarray as xr
 from rail_cosim.errors import ResultsError
-from rail_cosim.reporting import ReportError, _sections, execute_report, page
+from rail_cosim.reporting import ReportError, _sections, execute_report, page, reading
 from rail_cosim.reporting.charts import POINTS, envelope, packed
 from rail_cosim.reporting.schematic import drawing, geometry
 from rail_cosim.reporting.sections import Figure, Table
@@ -36,6 +36,11 @@ def whole():
     return whole_run()
 
 
+@pytest.fixture(scope="module")
+def whole_page(whole):
+    return page(whole)
+
+
 def charts_of(text):
     """Return the charts on a page."""
     found = re.findall(r'<script type="application/json">(.*?)</script>', text, flags=re.DOTALL)
@@ -52,8 +57,8 @@ def test_all_sections_are_there_and_nothing_is_missing(whole):
     assert [section.missing for section in sections] == [[]] * len(sections)
 
 
-def test_every_chart_is_one_that_plotly_knows(whole):
-    charts = charts_of(page(whole))
+def test_every_chart_is_one_that_plotly_knows(whole_page):
+    charts = charts_of(whole_page)
     assert len(charts) == 21
     for chart in charts:
         go.Figure(chart)
@@ -64,8 +69,8 @@ def test_every_chart_is_one_that_plotly_knows(whole):
             assert not np.isinf(shown).any()
 
 
-def test_forces_on_the_page_are_those_of_the_run(whole):
-    charts = charts_of(page(whole))
+def test_forces_on_the_page_are_those_of_the_run(whole, whole_page):
+    charts = charts_of(whole_page)
     (force,) = [
         c
         for c in charts
@@ -108,8 +113,8 @@ def test_changed_parameters(whole):
     assert "changed_parameters" in _sections(older)[1].missing[0]
 
 
-def test_the_page_needs_nothing_from_elsewhere(whole):
-    text = page(whole)
+def test_the_page_needs_nothing_from_elsewhere(whole_page):
+    text = whole_page
     body = text.replace(text[text.index("<script>/**") : text.rindex("<script>")], "")
     assert not re.search(r'(?:src|href)="(?!#|data:)', body)
     assert "@import" not in body
@@ -173,10 +178,10 @@ def test_values_that_are_not_numbers_do_not_stop_the_page(whole):
         go.Figure(chart)
 
 
-def test_an_incomplete_run_says_so():
+def test_an_incomplete_run_says_so(whole_page):
     text = page(whole_run(complete=0, ended_by="stopped by the user after 7 of 9 steps"))
     assert "Incomplete run: it ended early: stopped by the user after 7 of 9 steps." in text
-    assert "Incomplete run" not in page(whole_run())
+    assert "Incomplete run" not in whole_page
 
 
 @pytest.mark.parametrize("records", [8, 20, 100, 700])
@@ -186,7 +191,7 @@ def test_short_runs(whole, records):
 
 def test_a_long_run_is_not_a_large_page():
     """One kilometre at 288 km/h and 0.1 ms; plotly.js alone has 4.8 MB."""
-    assert len(page(whole_run(1000.0)).encode()) < 10e6
+    assert len(page(whole_run(1000.0, 10000.0)).encode()) < 10e6
 
 
 def test_envelope_keeps_peaks_and_ends():
@@ -243,6 +248,21 @@ def test_files_that_are_no_runs_are_refused(tmp_path):
     few = whole_run().isel(time=slice(3))
     few.to_netcdf(tmp_path / "few.nc", engine="h5netcdf")
     refused("few.nc", "3 records, too few")
+
+
+def test_a_very_long_run_is_reported_in_parts(monkeypatch, tmp_path, whole):
+    monkeypatch.setattr(reading, "MOST_RECORDS", 3000)
+    whole.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    with pytest.raises(ReportError, match=r"3750 records, more than 3000.*isel\(time"):
+        execute_report(tmp_path / "run.nc", None, "")
+    rail_cosim.report(whole.isel(time=slice(2000, None)), tmp_path / "part.html")
+
+
+def test_a_file_gives_the_same_page_as_the_data_set(tmp_path, whole, whole_page):
+    """Only what is shown is read from a file: nothing that is shown may be left out."""
+    whole.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
+    assert charts_of(page(reading.open_run(tmp_path / "run.nc"))) == charts_of(whole_page)
+    assert [s.missing for s in _sections(reading.open_run(tmp_path / "run.nc"))] == [[]] * 11
 
 
 def test_page_beside_the_run_and_through_python(tmp_path, whole):

@@ -9,6 +9,26 @@ import xarray as xr
 from rail_cosim.errors import RailCosimError
 
 _FEWEST = 8
+MOST_RECORDS = 3_000_000
+"""Records up to which a whole run is read: 25 km at 300 km/h, some 3 GB of memory."""
+
+_SHOWN = (
+    "distance",
+    "normal_force",
+    "vertical_wheel_force",
+    "guiding_force",
+    "axle_box_vertical_acceleration",
+    "bogie_vertical_acceleration",
+    "bogie_lateral_acceleration",
+    "car_body_vertical_acceleration",
+    "car_body_lateral_acceleration",
+    "car_body_floor_vertical_acceleration",
+    "car_body_floor_lateral_acceleration",
+    "wheelset_longitudinal_position",
+    "window_start_position",
+    "window_slide_count",
+    "window_slide_residual",
+)
 
 
 class ReportError(RailCosimError):
@@ -18,7 +38,7 @@ class ReportError(RailCosimError):
 
 
 def open_run(path: Path) -> xr.Dataset:
-    """Return the run in a NetCDF file; closes the file.
+    """Return what the page shows of the run in a NetCDF file; closes the file.
 
     Raises
     ------
@@ -30,13 +50,15 @@ def open_run(path: Path) -> xr.Dataset:
         raise ReportError(f"{path}: cannot be read ({what})")
     try:
         with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            loaded = dataset.load()
+            check_run(dataset, str(path))
+            loaded = dataset[[name for name in _SHOWN if name in dataset]].load()
+    except ReportError:
+        raise
     except Exception as error:  # the readers of NetCDF raise nothing more exact
         raise ReportError(
             f"{path}: is no NetCDF file that can be read ({_short(error)}); give one that "
             "rail-cosim run --out wrote"
         ) from error
-    check_run(loaded, str(path))
     return loaded
 
 
@@ -63,6 +85,11 @@ def check_run(dataset: xr.Dataset, name: str) -> None:
         raise ReportError(
             f"{name}: has {count} records, too few to say anything ({_FEWEST} are needed); "
             "run a longer distance"
+        )
+    if count > MOST_RECORDS:
+        raise ReportError(
+            f"{name}: has {count} records, more than {MOST_RECORDS} are not shown at once; report "
+            "a part in Python: rail_cosim.report(dataset.isel(time=slice(...)), 'part.html')"
         )
 
 
