@@ -11,7 +11,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export MKL_NUM_THREADS := 1
 
-.PHONY: run test test-slow soak lint build docs setup clean
+.PHONY: run test test-slow soak mutations fuzz lint build docs setup clean
 
 setup: $(STAMP)
 
@@ -44,6 +44,16 @@ test-slow: $(TOOLS)
 # 100 km in one go: memory and drift; half an hour.
 soak: $(STAMP)
 	$(BIN)/python benchmarks/soak.py --kilometres 100 --out results/soak
+
+# Deliberate faults in a copy of the sources: the tests must notice each. About an hour.
+mutations: $(STAMP)
+	$(BIN)/python tests/mutations/check.py
+
+# A minute for each reader of files and bytes from elsewhere.
+fuzz: $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]' || \
+	  echo "atheris could not be installed." >&2
+	$(BIN)/python tests/fuzz/run.py
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

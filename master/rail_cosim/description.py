@@ -69,7 +69,10 @@ def read_description(path: Path) -> FmuDescription:
             "FMI 2.0 for co-simulation is needed"
         )
     types = {e.get("name", ""): e for e in root.iterfind("TypeDefinitions/SimpleType")}
-    variables = [_variable(e, types) for e in root.iterfind("ModelVariables/ScalarVariable")]
+    variables = [
+        _sound_variable(path, element, types)
+        for element in root.iterfind("ModelVariables/ScalarVariable")
+    ]
     return FmuDescription(
         path=path,
         model_name=root.get("modelName", ""),
@@ -101,6 +104,19 @@ def read_root(path: Path) -> ElementTree.Element:
             return parse_xml(read_member(archive, "modelDescription.xml"))
         except (KeyError, ElementTree.ParseError) as error:
             raise FmuFileError(f"{path}: this is no FMU ({error})") from error
+
+
+def _sound_variable(
+    path: Path, element: ElementTree.Element, types: Mapping[str, ElementTree.Element]
+) -> Variable:
+    try:
+        return _variable(element, types)
+    except (StopIteration, ValueError) as error:
+        reason = "it has no type" if isinstance(error, StopIteration) else error
+        raise FmuFileError(
+            f"{path}: the description of its variable {element.get('name', '')!r} cannot be read "
+            f"({reason})"
+        ) from error
 
 
 def _variable(element: ElementTree.Element, types: Mapping[str, ElementTree.Element]) -> Variable:

@@ -168,6 +168,17 @@ def test_input_that_is_not_finite_is_named():
     """)
 
 
+def test_input_that_is_not_finite_is_named_after_it_came_with_a_state():
+    run("""
+        host = Host(F).initialize(); host.step(3)
+        host.set(force=math.nan); state = host.fmu.getFMUstate()
+        host.set(force=1.0); assert host.step() is None
+        host.fmu.setFMUstate(state); assert host.step() == 2
+        assert "values must be finite: force = nan" in host.texts()[0]
+        host.fmu.freeFMUstate(state); host.close()
+    """)
+
+
 def test_state_saved_and_set_gives_the_same_bits():
     run("""
         host = Host(F).initialize(force=3.0, spring__law="cubic"); host.step(17)

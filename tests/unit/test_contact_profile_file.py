@@ -68,6 +68,14 @@ def test_smoothing_takes_noise_of_the_size_given(tmp_path):
     assert smooth < 5e-3
 
 
+def test_outliers_that_no_spline_smooths_are_refused(tmp_path):
+    y, z = wheel_points(60)
+    z[20] = -2.5
+    path = write(tmp_path / "spoilt.txt", 1e3 * y, 1e3 * z)
+    with pytest.raises(ParameterError, match=r"contact\.profile_noise = 1e-05 m; remove outliers"):
+        load_profile("wheel", path, noise=1e-5)
+
+
 def test_contact_with_a_file_is_contact_with_the_profile(tmp_path):
     y, z = wheel_points(4000)
     path = write(tmp_path / "wheel.txt", 1e3 * y, 1e3 * z)

@@ -8,6 +8,7 @@ import textwrap
 import zipfile
 from pathlib import Path
 
+import described_fmus
 import numpy as np
 import pytest
 import xarray as xr
@@ -335,6 +336,23 @@ def test_files_that_are_no_suitable_fmu_are_refused(tmp_path, content, message):
         if content is not None:
             archive.writestr("modelDescription.xml", content)
     with pytest.raises(FmuFileError, match=message):
+        read_description(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "reason"),
+    [
+        ('start="0"', 'start="1,5"', "could not convert string to float: '1,5'"),
+        ('valueReference="1"', 'valueReference="one"', "invalid literal"),
+        ("<Real", "<Annotations", "it has no type"),
+    ],
+)
+def test_a_variable_that_cannot_be_read_is_named(tmp_path, old, new, reason):
+    def edit(text):
+        return text.replace(old, new)
+
+    path = described_fmus.fmu(tmp_path / "a.fmu", {"x": ("input", "m")}, edit=edit)
+    with pytest.raises(FmuFileError, match=f"its variable 'x' cannot be read .*{reason}"):
         read_description(path)
 
 

@@ -10,6 +10,7 @@ from rail_cosim.algorithms import GaussSeidel
 from rail_cosim.errors import DivergenceError, ParameterError, SlaveError
 from rail_cosim.initialisation import initialise
 from rail_cosim.interrupts import InterruptNote
+from rail_cosim.pace import step_count
 from rail_cosim.recorder import Recorder
 from rail_cosim.simulation import Simulation
 from rail_cosim.slave import Status
@@ -36,6 +37,27 @@ def test_a_complete_run():
     assert outcome.real_time_factor == pytest.approx(0.045 / outcome.wall)
     assert seen == [(200, 450), (400, 450), (450, 450)]
     assert recorder.times == pytest.approx(np.arange(451) * STEP, abs=1e-15)
+
+
+def test_inputs_are_driven_before_each_step_at_its_start():
+    calls = []
+
+    class Noting:
+        def apply(self, time, step_size):
+            calls.append(("driver", time, step_size))
+
+    system = SystemStructure([mocks.MockTrack(calls=calls), mocks.MockVehicle()])
+    times = GaussSeidel().input_times(["track", "vehicle"])
+    initialise(system, parameters={}, input_times=times, stop_time=1.0)
+    recorder = Recorder(system.ports)
+    run = Simulation(system, GaussSeidel(), recorder, step_size=STEP, driver=Noting())
+    assert run.run(3).complete
+    told = [call for call in calls if call[0] == "driver" or call[1] == "do_step"]
+    assert told == [
+        call
+        for step in range(3)
+        for call in (("driver", step * STEP, STEP), ("track", "do_step", step * STEP, STEP))
+    ]
 
 
 @pytest.mark.parametrize("status", [Status.DISCARD, Status.ERROR, Status.FATAL, Status.PENDING])
@@ -139,3 +161,11 @@ def test_records_go_on_over_the_edge_of_a_block():
 def test_recording_every_zeroth_step_is_refused():
     with pytest.raises(ParameterError, match="--record-every = 0: must be at least 1"):
         Recorder([], every=0)
+
+
+@pytest.mark.parametrize(
+    ("distance", "speed", "step", "count"),
+    [(1.0, 10.0, 0.03, 4), (3.0, 10.0, 0.1, 3), (0.3, 1.0, 0.1, 3), (1e-9, 50.0, 1e-4, 1)],
+)
+def test_steps_of_a_distance_reach_its_end_and_no_farther(distance, speed, step, count):
+    assert step_count(distance, speed, step) == count

@@ -21,6 +21,30 @@ def test_outputs_and_inputs_of_equal_name_are_connected():
     assert system.port("track").coupled == 1
 
 
+def test_values_go_to_the_inputs_of_their_names():
+    """Whatever the order on either side, with outputs and inputs between that are not connected."""
+    names = ["a", "b", "c", "d"]
+    source = MockSlave(
+        "track",
+        [variable(name, start=float(n)) for n, name in enumerate(["other", *reversed(names)])],
+    )
+    source.variables["back"] = variable("back", "input")
+    target = MockSlave(
+        "vehicle",
+        [variable("back", start=7.0), variable("free", "input")]
+        + [variable(name, "input") for name in ("c", "a", "d", "b")],
+    )
+    source.data["back"] = 0.0
+    system = SystemStructure([source, target])
+    for port in system.ports:
+        port.read_all()
+    for port in system.ports:
+        port.set_inputs()
+    assert {name: target.data[name] for name in names} == {"d": 1.0, "c": 2.0, "b": 3.0, "a": 4.0}
+    assert source.data["back"] == 7.0
+    assert target.data["free"] == 0.0
+
+
 def test_inputs_without_a_source_are_reported():
     track = mocks.MockTrack(extra=[variable("rail_head[1].left.vertical_force", "input", "N")])
     system = SystemStructure([track, mocks.MockVehicle()])

@@ -9,6 +9,7 @@ negative ``y``, ``z`` down).
 
 import dataclasses
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -88,10 +89,7 @@ def profile_from_points(
     ordered = points if points[-1, 0] > points[0, 0] else points[::-1]
     _check_points(kind, ordered, name)
     y, z = ordered[:, 0], ordered[:, 1]
-    if noise > 0.0:
-        spline = make_splrep(y, z, w=np.full(y.size, 1.0 / noise), k=3, s=y.size)
-    else:
-        spline = make_interp_spline(y, z, k=3)
+    spline = _smooth(kind, y, z, noise, name) if noise > 0.0 else make_interp_spline(y, z, k=3)
     datum = float(spline(0.0)) if kind == "wheel" else float(np.min(spline(_fine(y))))
     shifted = BSpline(spline.t, spline.c - datum, spline.k)
     return SplineProfile(name=name, spline=shifted, start=float(y[0]), end=float(y[-1]))
@@ -102,6 +100,21 @@ def _is_file(source: str) -> bool:
         return Path(source).is_file()
     except (OSError, ValueError):  # no name that a file can have
         return False
+
+
+def _smooth(kind: str, y: FloatArray, z: FloatArray, noise: float, name: str) -> BSpline:
+    """Return the smoothest spline that leaves residuals of the size of the noise."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RuntimeWarning)
+            return make_splrep(y, z, w=np.full(y.size, 1.0 / noise), k=3, s=y.size)
+    except RuntimeWarning as error:
+        raise _refused(
+            kind,
+            name,
+            f"no smoothing spline leaves residuals of contact.profile_noise = {noise:g} m",
+            "remove outliers, or give the standard deviation that its heights have",
+        ) from error
 
 
 def _fine(y: FloatArray) -> FloatArray:
