@@ -70,3 +70,16 @@ def test_kalker_continues_into_the_asymptotic_limits(ratio):
     slender = kalker_coefficients(1e-3, 0.3)
     limits = np.array([np.pi**2 / 4 / 0.7, np.pi**2 / 4])
     assert slender[:2] == pytest.approx(limits, rel=0.03)
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.25, 0.5])
+def test_no_number_of_kalkers_table_stands_out(nu):
+    """Each is within 0.9 % of what its neighbours let expect: a misprint shows."""
+    ratios = np.concatenate([np.arange(1, 11) / 10.0, 10.0 / np.arange(9, 0, -1)])
+    x = np.log(ratios)
+    table = np.log([kalker_coefficients(ratio, nu) for ratio in ratios])
+    for i in range(1, ratios.size - 1):
+        near = [j for j in range(max(0, i - 2), min(ratios.size, i + 3)) if j != i]
+        for values in table.T:
+            expected = np.polyval(np.polyfit(x[near], values[near], len(near) - 1), x[i])
+            assert values[i] == pytest.approx(expected, abs=0.009)
