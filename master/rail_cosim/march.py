@@ -26,6 +26,8 @@ from rail_cosim.system import SystemStructure
 Array = NDArray[np.float64]
 LONGEST = 200
 """Steps in one go: between two of them the user's Ctrl-C is noticed."""
+LARGEST_VALUE = 1e12
+"""No exchanged quantity comes near this in SI units."""
 
 # Columns of the table of calls, one row for each port.
 _COMPONENT, _DO_STEP, _ROLLS_BACK = 0, 1, 2
@@ -34,6 +36,7 @@ _GET, _OUTPUTS, _OUTPUT_COUNT, _COUPLED, _OUTPUT_VALUES = 7, 8, 9, 10, 11
 _COUNT, _COUNTERS, _COUNTER_COUNT, _COUNTER_VALUES = 12, 13, 14, 15
 _WIDTH = 16
 _WARNING = 1
+_DIVERGED = 4
 _CALLS = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "fmi2GetInteger")
 
 
@@ -106,6 +109,7 @@ def _march(
     counter_columns: Any,
     watched: Any,
     seen: Array,
+    places: Any,
 ) -> tuple[int, int, int, int, int]:
     """Do ``count`` steps; return steps done, records made, and a failing port, call and status."""
     recorded = 0
@@ -135,6 +139,9 @@ def _march(
                 )
                 if status > _WARNING:
                     return step - 1, recorded, port, 2, status
+            for index in range(places[port], places[port] + call[_COUPLED]):
+                if not abs(board[index]) < LARGEST_VALUE:
+                    return step - 1, recorded, port, _DIVERGED, 0
             if due and call[_COUNTER_COUNT] > 0:
                 status = _vector_call(
                     call[_COUNT],
@@ -196,6 +203,10 @@ class March:
         counts = [len(port.inputs.names) for port in system.ports]
         self._firsts = np.cumsum([0, *counts[:-1]])
         self._sources = system.sources
+        first = system.board.ctypes.data
+        self._places = np.array(
+            [(p.outputs.values.ctypes.data - first) // 8 for p in system.ports], dtype=np.int64
+        )
         self._real_columns, self._counter_columns = recorder.places()
         self._records = np.empty((LONGEST, recorder.width))
         self._seen = np.empty((LONGEST, len(watched)))
@@ -203,6 +214,9 @@ class March:
 
     def run(self, done: int, count: int, step_size: float) -> tuple[int, Array]:
         """Do up to :data:`LONGEST` steps after ``done``; record what is due.
+
+        It stops before the step in which a slave gives a value of :data:`LARGEST_VALUE` or more,
+        or none; that value is then in the port.
 
         Returns
         -------
@@ -236,12 +250,13 @@ class March:
             self._counter_columns,
             self._watched,
             self._seen,
+            self._places,
         )
         self._recorder.append(self._records[:recorded])
         self.finished = reached, self._seen[: reached - done]
         for slave in self._slaves:
             slave.time = reached * step_size
-        if port >= 0:
+        if port >= 0 and call != _DIVERGED:
             self._slaves[port].fail(_CALLS[call], status)
         return self.finished
 

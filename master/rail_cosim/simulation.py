@@ -15,7 +15,7 @@ from rail_cosim.energy import EnergyReport, InterfaceEnergy
 from rail_cosim.errors import DivergenceError, RailCosimError
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.interrupts import InterruptNote
-from rail_cosim.march import LONGEST, March
+from rail_cosim.march import LARGEST_VALUE, LONGEST, March
 from rail_cosim.recorder import Recorder
 from rail_cosim.steady import SteadyReport
 from rail_cosim.system import SystemStructure
@@ -169,6 +169,7 @@ class Simulation:
         alone = driver is None and observer is None
         self._march = self._compiled() if compiled and alone else None
         self._done = 0
+        self._exchanged = [(port, port.outputs.values[: port.coupled]) for port in system.ports]
 
     def _compiled(self) -> March | None:
         order = self._algorithm.order
@@ -208,7 +209,6 @@ class Simulation:
             while self._done < steps:
                 until = min(steps, self._done + LONGEST, stop.next_step if stop else steps)
                 self._block(until - self._done, note)
-                self._check_finite()
                 progress(self._done, steps)
                 if stop and self._done == stop.next_step and stop.check():
                     break
@@ -271,6 +271,7 @@ class Simulation:
         finally:
             self._done, seen = self._march.finished
             self._energy.take_in(seen)
+        self._check_exchanged((self._done + 1) * self._step_size)  # where the march stopped
 
     def _one_by_one(self, count: int, note: InterruptNote) -> None:
         ports, step_size = self._system.ports, self._step_size
@@ -284,6 +285,7 @@ class Simulation:
             if self._driver is not None:
                 self._driver.apply((step - 1) * step_size, step_size)
             algorithm.step(ports, (step - 1) * step_size, step_size)
+            self._check_exchanged(step * step_size)
             energy.observe()
             if due:
                 recorder.record(step * step_size)
@@ -291,13 +293,19 @@ class Simulation:
             if observer is not None and observer.due(step):
                 observer.observe(step * step_size)
 
-    def _check_finite(self) -> None:
-        for port in self._system.ports:
-            finite = np.isfinite(port.outputs.values[: port.coupled])
-            if not finite.all():
-                name = port.outputs.names[int(np.argmin(finite))]
-                raise DivergenceError(
-                    f"{port.slave.name}.{name} is no longer a finite number at "
-                    f"t = {self._done * self._step_size:.6g} s; the coupling has diverged: "
-                    "take a smaller macro step"
-                )
+    def _check_exchanged(self, time: float) -> None:
+        """Refuse a connected output that is no physical value, before any other slave sees more."""
+        for port, exchanged in self._exchanged:
+            if exchanged.dot(exchanged) < LARGEST_VALUE**2:  # false for what is not a number, too
+                continue
+            sound = np.abs(exchanged) < LARGEST_VALUE
+            if sound.all():
+                continue
+            place = int(np.argmin(sound))
+            value = float(exchanged[place])
+            what = f"is {value:g}" if np.isfinite(value) else "is no longer a finite number"
+            raise DivergenceError(
+                f"{port.slave.name}.{port.outputs.names[place]} {what} at t = {time:.6g} s; the "
+                "coupling has diverged: take a smaller macro step, or see what this FMU does "
+                "at that time"
+            )

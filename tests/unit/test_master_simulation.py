@@ -115,12 +115,27 @@ class Exploding(mocks.MockTrack):
 
 
 def test_a_value_that_is_not_finite_ends_the_run_and_is_named():
-    run, _ = simulation(track=Exploding())
+    run, recorder = simulation(track=Exploding())
     outcome = run.run(1000)
     assert isinstance(outcome.error, DivergenceError)
-    assert outcome.steps == 200
+    assert outcome.steps == len(recorder) - 1 == 150  # in the step where it happens
     assert "track.wheelset[1].contact.vertical_force is no longer a finite" in str(outcome.error)
+    assert "at t = 0.0151 s" in str(outcome.error)
     assert "smaller macro step" in str(outcome.error)
+
+
+class Growing(mocks.MockTrack):
+    def advance(self, time, step_size):
+        super().advance(time, step_size)
+        if self.steps > 20:
+            self.data[mocks.F] = -1e30
+
+
+def test_a_value_that_is_not_physical_ends_the_run_too():
+    run, recorder = simulation(track=Growing())
+    outcome = run.run(100)
+    assert outcome.steps == len(recorder) - 1 == 20
+    assert "vertical_force is -1e+30 at t = 0.0021 s" in str(outcome.error)
 
 
 def test_every_third_record_is_the_same_as_in_the_whole_run():

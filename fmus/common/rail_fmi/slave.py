@@ -1,6 +1,7 @@
 """The FMI 2.0 co-simulation slave from which both FMUs are made."""
 
 import dataclasses
+import math
 import threading
 from collections.abc import Mapping
 from typing import Any, ClassVar
@@ -155,13 +156,14 @@ class RailSlave(ValueSlave):
                 return False
             if self._mode != Mode.RUNNING:
                 raise StepError(f"a step was asked for in mode {self._mode}; initialise first")
-            if not step_size > 0.0:
-                raise StepError(f"the step size must be positive, not {step_size!r} s")
+            if not 0.0 < step_size < math.inf:
+                raise StepError(f"the step size must be positive and finite, not {step_size!r} s")
             if self._first_inputs is not None:
                 self.reals[self._real_inputs()] = self._first_inputs
                 self._first_inputs = None
             if self._suspect:
                 self._check_finite("input", "parameter")
+                self._check_sizes()
                 self._suspect = False
             self.step(current_time, step_size)
             if self._zeros.dot(self._checked) != 0.0:  # not a number as soon as one is not finite

@@ -14,6 +14,9 @@ from rail_fmi.guard import GuardedSlave
 from rail_fmi.storage import ValueView, VariableStore, contiguous_or_array
 from rail_fmi.variables import Variable, VariableTable
 
+LARGEST = 1e12
+"""No input comes near this in SI units."""
+
 STATUS_MESSAGE = Variable(
     "status.message",
     kind="string",
@@ -118,6 +121,15 @@ class ValueSlave(GuardedSlave):
             more = f" and {len(bad) - 3} more" if len(bad) > 3 else ""
             raise StepError(f"values must be finite: {', '.join(bad[:3])}{more}")
 
+    def _check_sizes(self) -> None:
+        """Refuse inputs that no partner in its senses gives."""
+        for variable in self.table.with_causality("input"):
+            if variable.kind == "real" and abs(value := self.values[variable.name]) >= LARGEST:
+                raise StepError(
+                    f"{variable.name} = {value:g} {variable.unit}: no physical value; what gives "
+                    "this input has diverged"
+                )
+
     def get_real(self, vrs: list[int]) -> list[float]:
         """Return reals by value reference; not-a-number if a reference does not exist."""
         try:
@@ -145,7 +157,7 @@ class ValueSlave(GuardedSlave):
                 self.reals[plan.index] = values
             else:
                 plan.pack(self._buffer, plan.place, *values)
-            if not math.isfinite(sum(values)):
+            if not -LARGEST < sum(values) < LARGEST:
                 self._suspect = True
             self._stale = self._mode == Mode.INITIALIZING
         except BaseException as error:

@@ -5,6 +5,7 @@ import math
 from typing import Any
 
 from rail_quantities.errors import ParameterError
+from rail_quantities.ranges import misfit
 
 _KEY = "quantity"
 
@@ -91,6 +92,8 @@ class Quantity:
         if broken:
             unit = "" if self.unit == "1" else f" {self.unit}"
             raise ParameterError(name, value, f"must be {self.limits}{unit}", self._remedy())
+        if kind is float and (limit := misfit(number, self.unit)):
+            raise ParameterError(name, value, limit, self._remedy())
         return kind(number)
 
     def _remedy(self) -> str:

@@ -449,6 +449,13 @@ class TrackModel:
     def _slide_along(self, state: TrackState, path: np.ndarray) -> TrackState:
         """Slide the window until the wheels keep their margins at the end of a path."""
         target = place_window(self.parameters, path[-1, :, 0])
+        if not target - state.window_start < self.parameters.window_length:
+            raise TrackError(
+                f"at t = {state.time:g} s the wheels jump to {path[-1, :, 0].max():g} m, beyond "
+                f"the window ({state.window_start:g} m to "
+                f"{state.window_start + self.parameters.window_length:g} m) in a single step; "
+                "check longitudinal_position and longitudinal_velocity of the wheelsets"
+            )
         while target > state.window_start + 0.5 * self.parameters.slide_length:
             state = self._slide_once(state)
         return state

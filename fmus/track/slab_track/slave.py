@@ -21,6 +21,12 @@ LEVEL_CONTACT = (
     "and torsion of the rails"
 )
 
+_JUMP = 0.5
+"""By so much may way and velocity differ in a step, m."""
+
+_DEEPEST = 0.3
+"""Lowest place of a wheelset, m; rails and irregularities take it to 0.1 m at most."""
+
 _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
 
 
@@ -59,6 +65,7 @@ class TrackSlave(RailSlave):
         except TrackError as error:
             raise StepError(str(error)) from error
         self.reals[self._heights] = self._state.static_heights
+        self._way: tuple[float, float, float] | None = None
         self._observed = None
         self._publish()
 
@@ -73,6 +80,7 @@ class TrackSlave(RailSlave):
 
     def _find_places(self, count: int) -> None:
         self._inputs = self.slice_of(*names.motion_names(count))
+        self._mean = np.full(count, 1.0 / count)
         self._applied = np.array(
             [
                 self.indices(names.rail_head_names(name, count))
@@ -104,6 +112,7 @@ class TrackSlave(RailSlave):
 
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
+        self._check_way(time, step_size)
         applied = None
         if self._model.parameters.interface == "applied_force":
             applied = self.reals[self._applied].T.reshape(-1, 2, 3)
@@ -118,6 +127,31 @@ class TrackSlave(RailSlave):
         except TrackError as error:
             raise StepError(str(error)) from error
         self._publish(outputs)
+
+    def _check_way(self, time: float, step_size: float) -> None:
+        """Refuse wheels inside the rail, and positions that do not follow from the velocities.
+
+        Means over the wheelsets are compared. A partner that gives no velocities is not asked.
+        """
+        motion = self.reals[self._inputs].reshape(-1, len(MOTION))
+        if (deepest := float(motion[:, 2].max())) > _DEEPEST:
+            raise StepError(
+                f"at t = {time:g} s wheelset {int(motion[:, 2].argmax()) + 1} is {deepest:g} m below "
+                "where it rests, inside the rail: its vertical_displacement has diverged"
+            )
+        means = self._mean @ motion
+        x, speed = float(means[0]), float(means[5])
+        if self._way is not None and speed != 0.0:
+            before, speed_before, elapsed = self._way
+            elapsed = step_size if self._at_end else elapsed
+            way = 0.5 * (speed + speed_before) * elapsed
+            if not abs(x - before - way) <= _JUMP + 0.1 * abs(way):
+                raise StepError(
+                    f"at t = {time:g} s the wheelsets are at {x:g} m in the mean, {x - before:g} m "
+                    f"from where they were {elapsed:g} s before, but run at {speed:g} m/s: "
+                    "longitudinal_position jumps"
+                )
+        self._way = x, speed, step_size
 
     def _publish(self, outputs: TrackOutputs | None = None) -> None:
         state = self._state
@@ -148,6 +182,7 @@ class TrackSlave(RailSlave):
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
         self._state = self._model.state_of(state["vector"])
+        self._way = None
 
 
 def _inputs() -> list[Variable]:
