@@ -27,6 +27,7 @@ class Fastener(ParameterSet):
 class Parameters(ParameterSet):
     fastener: Fastener = Fastener()
     fails_after: float = quantity(0.0, "s", "time of a failure; 0 for never", at_least=0.0)
+    diverges_after: float = quantity(0.0, "s", "time of a huge force; 0 for never", at_least=0.0)
     interrupted_after: float = quantity(0.0, "s", "time of a Ctrl-C; 0 for never", at_least=0.0)
 
 
@@ -97,6 +98,8 @@ class MiniTrack(RailSlave):
             os.kill(os.getpid(), signal.SIGINT)
         at_end = self.values["coupling.input_time"] == "step_end"
         self.publish(0.0 if at_end else step_size)
+        if 0.0 < self.values["diverges_after"] <= end:
+            self.values[f"{W}contact.vertical_force"] = 1e30
 
     def save(self) -> dict[str, Any]:
         """Return the state: there is none beside the variables."""

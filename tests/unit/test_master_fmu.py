@@ -68,6 +68,11 @@ CASES = {
         *("--set", "track.fastener.spacing=0.7", "--set", "vehicle.speed=50"),
     ],
     "broken": [*SHORT, "--set", "track.fails_after=0.1", "--out", "broken.nc"],
+    "diverging": [*SHORT, "--set", "track.diverges_after=0.1", "--out", "diverging.nc"],
+    "diverging in parallel": [
+        *(*SHORT, "--set", "track.diverges_after=0.1", "--out", "parallel.nc"),
+        *("--algorithm", "jacobi"),
+    ],
     "stopped": [*SHORT, "--set", "track.interrupted_after=0.1", "--out", "stopped.nc"],
     "warned": [*SHORT, "--set", "vehicle.wheel.mass=50"],
     "held": [*SHORT, "--set", "track.static_wheel_load=2e6", "--out", "held.nc"],
@@ -178,6 +183,21 @@ def test_an_error_of_an_fmu_keeps_what_was_recorded(ran):
     assert "the rail is broken" in data.attrs["ended_by"]
     assert data.sizes["time"] == 1000
     assert np.array_equal(data["time"], whole["time"][:1000])
+
+
+@pytest.mark.parametrize(
+    ("case", "file"), [("diverging", "diverging.nc"), ("diverging in parallel", "parallel.nc")]
+)
+def test_a_partner_that_diverges_is_found_in_its_step(ran, case, file):
+    """Whether the slaves are stepped one after the other or from the same instant."""
+    status, _, err = ran[1][case]
+    assert status == 1
+    if case == "diverging in parallel":  # else the vehicle may refuse it first
+        assert "track.wheelset[1].contact.vertical_force is 1e+30 at t = 0.1 s" in err
+    data = dataset(ran, file)
+    assert data.attrs["complete"] == 0
+    assert data.sizes["time"] == 1000
+    assert np.abs(data["normal_force"]).max() < 1e7
 
 
 def test_ctrl_c_keeps_what_was_recorded(ran):
