@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
+from typing import Any, cast
 
 import jinja2
 import xarray as xr
@@ -16,6 +17,7 @@ from markupsafe import Markup
 from rail_cosim.errors import ResultsError
 from rail_cosim.html import STYLE, made
 from rail_cosim.reporting import figures, frequencies, motion
+from rail_cosim.reporting.charts import Chart
 from rail_cosim.reporting.reading import ReportError, check_run, open_run
 from rail_cosim.reporting.sections import Section
 from rail_cosim.summary import summarise
@@ -90,7 +92,7 @@ def page(dataset: xr.Dataset, command: str = "") -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
     )
-    environment.filters["embedded"] = _embedded
+    cast(Any, environment).filters["embedded"] = _embedded  # jinja2 gives it no type
     text = resources.files("rail_cosim.reporting").joinpath("page.html").read_text(encoding="utf-8")
     return environment.from_string(text).render(
         title=_title(dataset),
@@ -120,7 +122,8 @@ def _sections(run: xr.Dataset) -> list[Section]:
 
 
 def _title(run: xr.Dataset) -> str:
-    about, words = run.attrs, []
+    about: dict[str, Any] = run.attrs
+    words: list[str] = []
     if about.get("line"):
         words.append(f"line {about['line']}")
     if "speed_km_h" in about:
@@ -137,7 +140,7 @@ def _warning(about: Mapping[str, object]) -> str:
     return "Incomplete run: it ended early" + (f": {reason}" if reason else "") + "."
 
 
-def _embedded(chart: dict) -> Markup:
+def _embedded(chart: Chart) -> Markup:
     """Return JSON that stays JSON inside a script element, whatever names it has."""
     text = json.dumps(chart, separators=(",", ":"), allow_nan=False)
     return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
