@@ -319,8 +319,13 @@ def simulate(
         whole = step_count(options.distance, speed, step_size)
         steps = whole if ramp is None else ramp.step_count(step_size)
         if film is not None:
-            about = {"wheelsets": _wheelsets(system), "step_size": step_size, "steps": steps}
-            film.begin(system["track"], system["vehicle"], **about)
+            film.begin(
+                system["track"],
+                system["vehicle"],
+                wheelsets=_wheelsets(system),
+                step_size=step_size,
+                steps=steps,
+            )
         # Read now: after an error the FMUs answer no more.
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
         reporter.stage("stepping")
