@@ -9,6 +9,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import zipfile
+import zlib
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
@@ -123,7 +125,7 @@ def built_fmu(recipe: Recipe) -> Path:
         If it has to be built and cannot be.
     """
     target = cache_directory() / "built" / source_hash(recipe)[:16] / f"{recipe.model}.fmu"
-    if target.is_file():
+    if _is_whole(target):
         return target
     target.parent.mkdir(parents=True, exist_ok=True)
     scratch = Path(tempfile.mkdtemp(prefix=".building-", dir=target.parent))
@@ -132,6 +134,15 @@ def built_fmu(recipe: Recipe) -> Path:
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     return target
+
+
+def _is_whole(fmu: Path) -> bool:
+    """Whether a file is a complete archive: each member has its checksum."""
+    try:
+        with zipfile.ZipFile(fmu) as archive:
+            return archive.testzip() is None
+    except (OSError, zipfile.BadZipFile, zlib.error, EOFError):
+        return False
 
 
 def build(

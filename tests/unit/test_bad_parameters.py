@@ -1,7 +1,8 @@
 """Every parameter of both cores with values that make no sense.
 
 The parameters are those that the FMUs declare, so none is forgotten. Each value has one of two
-outcomes: it is refused with name, value and limit, or a short run with it stays finite.
+outcomes: it is refused with name, value and limit, or a short run with it stays finite (the
+runs take some minutes: `make test-slow`).
 """
 
 import numpy as np
@@ -63,6 +64,21 @@ TRACK_NAMES = list(flatten(TRACK))
 GROUPS = sorted({name.partition(".")[0] for name in TRACK_NAMES})
 
 
+VEHICLE_NAMES = list(flatten(VehicleParameters()))
+
+
+@pytest.mark.parametrize("defaults", [TRACK, VehicleParameters()], ids=["track", "vehicle"])
+def test_refusals_give_name_value_and_limit(defaults):
+    found = tried(defaults, flatten(defaults), lambda parameters: np.zeros(1), ())
+    print(counted(found))
+    assert faults(found) == []
+    kinds = [outcome.kind for outcome in found.values()]
+    assert kinds.count("refused") > 0.6 * len(kinds)
+    for name in flatten(defaults):
+        assert any(o.kind == "refused" for (n, _), o in found.items() if n == name), name
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("group", GROUPS)
 def test_track(group):
     names = [n for n in TRACK_NAMES if n.partition(".")[0] == group]
@@ -71,9 +87,7 @@ def test_track(group):
     assert faults(found) == []
 
 
-VEHICLE_NAMES = list(flatten(VehicleParameters()))
-
-
+@pytest.mark.slow
 @pytest.mark.parametrize("group", sorted({name.partition(".")[0] for name in VEHICLE_NAMES}))
 def test_vehicle(group):
     names = [n for n in VEHICLE_NAMES if n.partition(".")[0] == group]

@@ -48,6 +48,17 @@ def test_a_damaged_file_is_made_anew(maker, tmp_path):
     assert made == [1, 1]
 
 
+def test_a_changed_number_is_found_by_the_checksum(maker, tmp_path):
+    ask, made = maker
+    first = ask((1,))
+    (file,) = (tmp_path / "cache" / "arrays" / "kind").glob("*.npy")
+    content = bytearray(file.read_bytes())
+    content[-40] ^= 1  # in the last number
+    file.write_bytes(content)
+    assert ask((1,)).tobytes() == first.tobytes()
+    assert len(made) == 2
+
+
 def test_without_a_cache_it_is_made_each_time(maker, tmp_path):
     ask, made = maker
     (tmp_path / "cache").write_text("a file where the folder should be")

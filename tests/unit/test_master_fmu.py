@@ -459,7 +459,8 @@ def test_an_fmu_is_built_anew_only_when_its_sources_change(cache, tmp_path, monk
     def build(recipe, folder):
         built.append(recipe.model)
         path = folder / f"{recipe.model}.fmu"
-        path.write_text(str(len(built)))
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("a", str(len(built)) * 100)
         return path
 
     monkeypatch.setattr("rail_cosim.builder.build_one", build)
@@ -472,6 +473,13 @@ def test_an_fmu_is_built_anew_only_when_its_sources_change(cache, tmp_path, monk
     made_module(tmp_path, "a = 1")
     assert built_fmu(recipe) == first
     assert len(built) == 2
+    content = first.read_bytes()
+    for damaged in (b"", content[:-30], content[:40] + b"?" + content[41:]):
+        first.write_bytes(damaged)
+        assert built_fmu(recipe) == first
+        with zipfile.ZipFile(first) as archive:
+            assert archive.testzip() is None
+    assert len(built) == 5
     assert "made_package" not in sys.modules
 
 

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import hashlib
+import io
 import os
 import sys
 import tempfile
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+_DIGEST_SIZE = 32
 _MOST = 40
 """Files kept in a folder; the oldest go first."""
 
@@ -32,11 +34,12 @@ def kept_array(name: str, key: object, make: Callable[[], np.ndarray], code: Pat
     Notes
     -----
     A cache that cannot be read or written costs time only. A file is put in place
-    by one rename, so no process reads half of it.
+    by one rename, so no process reads half of it; behind the array it has the SHA-256
+    of it, so that what was damaged since is made anew.
     """
     digest = hashlib.sha256(f"{_code_digest(code)}{key!r}".encode()).hexdigest()[:32]
     with contextlib.suppress(OSError, RuntimeError, ValueError, EOFError):
-        return np.load(_folder(name) / f"{digest}.npy", allow_pickle=False)
+        return _read(_folder(name) / f"{digest}.npy")
     array = make()
     with contextlib.suppress(OSError, RuntimeError):
         _write(_folder(name), f"{digest}.npy", array)
@@ -65,6 +68,14 @@ def _code_digest(folder: Path) -> str:
     return total.hexdigest()
 
 
+def _read(path: Path) -> np.ndarray:
+    content = path.read_bytes()
+    array, digest = content[:-_DIGEST_SIZE], content[-_DIGEST_SIZE:]
+    if hashlib.sha256(array).digest() != digest:
+        raise ValueError(f"{path} is damaged")
+    return np.load(io.BytesIO(array), allow_pickle=False)
+
+
 def _write(folder: Path, name: str, array: np.ndarray) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     old = sorted(folder.glob("*.npy"), key=lambda path: path.stat().st_mtime)
@@ -72,8 +83,10 @@ def _write(folder: Path, name: str, array: np.ndarray) -> None:
         path.unlink(missing_ok=True)
     handle, part = tempfile.mkstemp(prefix=".new-", dir=folder)
     try:
+        content = io.BytesIO()
+        np.save(content, array, allow_pickle=False)
         with os.fdopen(handle, "wb") as file:
-            np.save(file, array, allow_pickle=False)
+            file.write(content.getvalue() + hashlib.sha256(content.getvalue()).digest())
         os.replace(part, folder / name)
     except OSError:
         Path(part).unlink(missing_ok=True)

@@ -136,8 +136,8 @@ class TrackSlave(RailSlave):
         motion = self.reals[self._inputs].reshape(-1, len(MOTION))
         if (deepest := float(motion[:, 2].max())) > _DEEPEST:
             raise StepError(
-                f"at t = {time:g} s wheelset {int(motion[:, 2].argmax()) + 1} is {deepest:g} m below "
-                "where it rests, inside the rail: its vertical_displacement has diverged"
+                f"at t = {time:g} s wheelset {int(motion[:, 2].argmax()) + 1} is {deepest:g} m "
+                "below where it rests, inside the rail: its vertical_displacement has diverged"
             )
         means = self._mean @ motion
         x, speed = float(means[0]), float(means[5])
