@@ -42,18 +42,17 @@ def split_matrix(matrix: np.ndarray) -> np.ndarray:
 
 
 @stream
-def split(values, out):
-    """Fill the halves ``out`` (2, h) of ``values`` (P,)."""
+def split(values, even, odd):
+    """Fill the halves ``even`` and ``odd``, (h,), of ``values`` (P,)."""
     count = values.size
-    for side in range(2):
-        for i in range(count // 2, out.shape[1]):
-            out[side, i] = 0.0
+    for i in range(count // 2, even.size):
+        even[i] = odd[i] = 0.0
     for i in range(count // 2):
-        out[0, i] = _ROOT * (values[i] + values[count - 1 - i])
+        even[i] = _ROOT * (values[i] + values[count - 1 - i])
     for i in range(count // 2):
-        out[1, i] = _ROOT * (values[i] - values[count - 1 - i])
+        odd[i] = _ROOT * (values[i] - values[count - 1 - i])
     if count % 2 == 1:
-        out[0, count // 2] = values[count // 2]
+        even[count // 2] = values[count // 2]
 
 
 @stream
@@ -69,17 +68,15 @@ def join(halves, out):
 
 
 @stream
-def apply(columns, vector, out):
-    """Multiply both halves: ``out`` (2, h) from ``vector`` (2, h).
+def apply(columns, factors, sums):
+    """Multiply a half: ``sums`` (h,) from ``factors`` (h,).
 
-    ``columns`` (2, h, h) holds the transposed matrices: four columns at a time are added up.
+    ``columns`` (h, h) holds the transposed matrix: four columns at a time are added up.
     """
-    for side in range(2):
-        factors, matrix, sums = vector[side], columns[side], out[side]
+    for i in range(sums.size):
+        sums[i] = 0.0
+    for j in range(0, factors.size, 4):
+        a, b, c, d = factors[j], factors[j + 1], factors[j + 2], factors[j + 3]
+        m0, m1, m2, m3 = columns[j], columns[j + 1], columns[j + 2], columns[j + 3]
         for i in range(sums.size):
-            sums[i] = 0.0
-        for j in range(0, factors.size, 4):
-            a, b, c, d = factors[j], factors[j + 1], factors[j + 2], factors[j + 3]
-            m0, m1, m2, m3 = matrix[j], matrix[j + 1], matrix[j + 2], matrix[j + 3]
-            for i in range(sums.size):
-                sums[i] += a * m0[i] + b * m1[i] + c * m2[i] + d * m3[i]
+            sums[i] += a * m0[i] + b * m1[i] + c * m2[i] + d * m3[i]

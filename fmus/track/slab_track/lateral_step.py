@@ -9,7 +9,7 @@ from slab_track.compiled import entry, kernel, stream
 from slab_track.folding import sum_order
 from slab_track.halves import half_size
 from slab_track.lateral import PHASES, LateralTrack, lateral_operator
-from slab_track.oscillators import add_force, dot, fold, step_last, step_waves
+from slab_track.oscillators import add_force, add_scaled, dot, fold, step_last, step_waves
 from slab_track.waves import fastener_shapes
 
 
@@ -162,8 +162,8 @@ def close_rail(constants, folding, free, shapes, forces, step, new):
     taken = np.empty((2, constants.weight.size))
     _take(constants, folding, extension, taken)
     for direction in range(2):
-        _let_go(folding.home, folding.home_sign, free[direction], taken[direction],
-                load[direction])  # fmt: skip
+        add_scaled(1.0, free[direction], taken[direction])
+        _let_go(folding.home, folding.home_sign, taken[direction], load[direction])
     add_force(new, 0, constants.drive, load[0], step)
     add_force(new, 1, constants.drive, load[0], step)
     add_force(new, 2, constants.drive, load[1], step)
@@ -188,9 +188,10 @@ def _load_extension(gain, foot, response, load, lateral, moment):
 
 
 @stream
-def _let_go(home, sign, free, more, load):
+def _let_go(home, sign, taken, load):
+    """Take what the fasteners take, (2h,), from the waves' load (N,)."""
     for k in range(load.size):
-        load[k] -= sign[k] * (free[home[k]] + more[home[k]])
+        load[k] -= sign[k] * taken[home[k]]
 
 
 @entry

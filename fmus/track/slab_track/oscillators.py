@@ -101,6 +101,21 @@ def add_force(state, branch, drive, force, step):
 
 
 @stream
+def take_force(state, branch, drive, force, step):
+    """As :func:`add_force` for a force that is taken from the coordinates."""
+    half, quarter = 0.5 * step, 0.25 * step * step
+    count = force.size
+    first, last = branch * count, (branch + 1) * count
+    q, v, a = state[0, first:last], state[1, first:last], state[2, first:last]
+    per_force = drive[first:last]
+    for k in range(count):
+        change = per_force[k] * force[k]
+        q[k] -= quarter * change
+        v[k] -= half * change
+        a[k] -= change
+
+
+@stream
 def fold(place, sign, amplitudes, out):
     """Sum waves (N,) that look alike at the fasteners into ``out`` (2h,), both halves.
 

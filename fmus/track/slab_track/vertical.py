@@ -47,6 +47,7 @@ from slab_track.oscillators import (
     fold,
     step_damped,
     step_waves,
+    take_force,
     unfold,
 )
 
@@ -197,9 +198,9 @@ def wheel_coupling(rail, places, out):
     for wheel in range(places.size):
         here = places[wheel] / rail.spacing
         to_fasteners(rail.modal_kernel, here, at_fasteners)
-        split(at_fasteners, out.by_modes[:, wheel])
+        split(at_fasteners, out.by_modes[0, wheel], out.by_modes[1, wheel])
         to_fasteners(rail.whole_kernel, here, at_fasteners)
-        split(at_fasteners, out.held[:, 1 + wheel])
+        split(at_fasteners, out.held[0, 1 + wheel], out.held[1, 1 + wheel])
         modal[wheel] = between(rail.modal_kernel, here, here, ring)
         for other in range(wheel + 1):
             answer = between(rail.whole_kernel, here, places[other] / rail.spacing, ring)
@@ -275,7 +276,7 @@ def free_class_step(rail, own, fields, coupling, shapes, step, out):
         waves[0], waves[1],
     )  # fmt: skip
     step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
-    _compress(rail, own.seats, waves[0], fields, held[:, 0])
+    _compress(rail, own.seats, waves[0], fields, held[0, 0], held[1, 0])
     for half in range(2):
         np.dot(held[half], own.solve[half], out.fastener[half])
     for wheel in range(shapes.shape[0]):
@@ -286,25 +287,27 @@ def free_class_step(rail, own, fields, coupling, shapes, step, out):
 
 
 @kernel
-def _compress(rail, seats, waves, fields, out):
-    """Fill ``out`` (2, h) with z - d/nu, for ``waves`` (N,) and slabs after the free step."""
+def _compress(rail, seats, waves, fields, even, odd):
+    """Fill the halves (h,) of z - d/nu, for ``waves`` (N,) and slabs after the free step."""
     folding, fastener = rail.folding, fields.fastener
-    half = folding.to_fasteners.shape[1]
-    sums, moved = np.empty((2, half)), np.empty((2, half))
-    fold(folding.place, folding.sign, waves, sums.ravel())
-    apply(folding.to_fasteners, sums, moved)
-    join(moved, fastener)
+    sums, less = np.empty(2 * even.size), np.empty((2, even.size))
+    fold(folding.place, folding.sign, waves, sums)
+    apply(folding.to_fasteners[0], sums[: even.size], even)
+    apply(folding.to_fasteners[1], sums[even.size :], odd)
     under = np.dot(fields.new_slab[0].reshape((-1, seats.shape[0])), seats).ravel()
     old = fields.old_compression
-    _less_under(under, rail.flexibility, rail.damping, rail.rate, old[0], old[1], fastener)
-    split(fastener, out)
+    _retain(under, rail.flexibility, rail.damping, rail.rate, old[0], old[1], fastener)
+    split(fastener, less[0], less[1])
+    add_scaled(-1.0, less[0], even)
+    add_scaled(-1.0, less[1], odd)
 
 
 @stream
-def _less_under(under, flexibility, damping, to_rate, compression, rate, out):
+def _retain(under, flexibility, damping, to_rate, compression, rate, out):
+    """Displacement of the slabs under the fasteners and d/nu, (P,)."""
     for i in range(out.size):
         viscous = damping[i] * (to_rate * compression[i] + rate[i])
-        out[i] -= under[i] + flexibility[i] * viscous
+        out[i] = under[i] + flexibility[i] * viscous
 
 
 @stream
@@ -355,14 +358,13 @@ def _close_rail(rail, halves, sums, new, shapes, forces, step):
     """Add the forces of wheels and fasteners, these in halves, to the rail's waves."""
     count, folding = shapes.shape[1], rail.folding
     wave = np.empty(count)
-    apply(folding.to_waves, halves, sums)
+    for side in range(2):
+        apply(folding.to_waves[side], halves[side], sums[side])
     unfold(folding.home, folding.home_sign, sums.ravel(), wave)
-    for k in range(count):
-        wave[k] = -wave[k]
     for wheel in range(shapes.shape[0]):
-        add_scaled(forces[wheel], shapes[wheel], wave)
-    add_force(new, 0, rail.drive, wave, step)
-    add_force(new, 1, rail.drive, wave, step)
+        add_scaled(-forces[wheel], shapes[wheel], wave)
+    take_force(new, 0, rail.drive, wave, step)
+    take_force(new, 1, rail.drive, wave, step)
 
 
 @stream

@@ -2,9 +2,12 @@
 
 import math
 
-from slab_track.compiled import kernel
+import numpy as np
+
+from slab_track.compiled import kernel, stream
 
 _LANES = 8
+_BACK, _TWICE_BACK = np.uint64(_LANES), np.uint64(2 * _LANES)
 
 
 @kernel
@@ -34,5 +37,11 @@ def wheel_shapes(wave_number, positions, shapes):
                 twice = 2.0 * c
             if turn:
                 c, s = c * cosine - s * sine, s * cosine + c * sine
-        for k in range(start, count):
-            row[k] = twice * row[k - _LANES] - row[k - 2 * _LANES]
+        _go_on(twice, np.uint64(start), row)
+
+
+@stream
+def _go_on(twice, start, row):
+    """Fill the rest of a row; unsigned places are never negative, so vectors can be used."""
+    for k in range(start, np.uint64(row.size)):
+        row[k] = twice * row[k - _BACK] - row[k - _TWICE_BACK]
