@@ -20,13 +20,14 @@ from slab_track.compiled import entry
 from slab_track.contact.wheelset import NORMAL_FORCE, locate_wheel, patch_forces
 from slab_track.errors import TrackError
 from slab_track.frequency.__main__ import apply_settings
+from slab_track.interaction import interact
 from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION
 from slab_track.oscillators import add_force, step_damped
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.state import ROW
-from slab_track.stepping import begin, close, free, touch
+from slab_track.stepping import begin, finish
 from slab_track.views import class_fields, part, wheels_of
 
 _PROGRAM = "slab_track.cost"
@@ -61,25 +62,19 @@ def step_cost(
     operator, steps, _ = model._operator(step)
     new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
 
-    def compiled_step() -> None:
-        begin(operator, state.vector, new, motion, state.time, False)
-        free(operator, state.vector, new, 0)
-        touch(operator, new, none)
-        close(operator, state.vector, new, True)
-
-    compiled_step()
+    begin(operator, state.vector, new, motion, state.time, False, 0)
+    finish(operator, state.vector, new, none, 0)
     parts = {
         "contact_geometry": _compiled(_locate, operator, new),
         "fastsim": _compiled(_creep, operator, new),
         "slabs": _compiled(_slabs, operator, state.vector, new),
     }
-    calls = {
-        "moving": _repeated(lambda: free(operator, state.vector, new, 0)),
-        "closing": _repeated(lambda: close(operator, state.vector, new, True)),
-        "touching": _repeated(lambda: touch(operator, new, none)),
-    }
-    parts["rails"] = calls["moving"] + calls["closing"] - parts["slabs"]
-    parts["forces"] = calls["touching"] - parts["contact_geometry"] - parts["fastsim"]
+    touching = _compiled(_touch, operator, new, none)
+    moving = _repeated(
+        lambda: begin(operator, state.vector, new, motion, state.time, False, 0)
+    ) + _repeated(lambda: finish(operator, state.vector, new, none, 0))
+    parts["rails"] = moving - touching - parts["slabs"]
+    parts["forces"] = touching - parts["contact_geometry"] - parts["fastsim"]
     whole = steps * _repeated(lambda: model.step(state, motion, step))
     each = _once(lambda: model._slide_once(state)) if parameters.moves else 0.0
     between = parameters.slide_length / (speed * step)
@@ -145,6 +140,15 @@ def _locate(passes, op, new):
                     op.contact, 2.0 * side - 1.0, row[wheel], wheels.rail[wheel, side], offset,
                     wheels.located[wheel, side],
                 )  # fmt: skip
+
+
+@entry
+def _touch(passes, op, new, applied):
+    """Find the forces between wheels and rails."""
+    count = op.scratch.x.size
+    wheels, row = wheels_of(new, op.starts, count), part(new, op.starts, ROW).reshape((count, 11))
+    for _ in range(passes):
+        interact(op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels)
 
 
 @entry

@@ -53,7 +53,6 @@ from slab_track.statics import StaticSolution
 from slab_track.stepping import (
     GOOD,
     NEAR_THE_END,
-    NO_SOLUTION,
     NOT_FINITE,
     SLIDE_DUE,
     Scratch,
@@ -61,10 +60,8 @@ from slab_track.stepping import (
     TrackOperator,
     WindowLimits,
     begin,
-    close,
-    free,
+    finish,
     pack,
-    touch,
 )
 from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
 from slab_track.window import END_MARGIN, near_the_end, place_window, slide_fields
@@ -86,6 +83,8 @@ class TrackOutputs(NamedTuple):
 
     Attributes
     ----------
+    state
+        The state that answers; nothing is computed before it is asked for.
     contact
         Contact forces and moments on the wheelsets, shape (wheelsets, 6), N and N.m.
     answers
@@ -98,8 +97,17 @@ class TrackOutputs(NamedTuple):
         Of the rail's axis vertically, of its head laterally (m), and its rotation (rad).
     """
 
-    contact: np.ndarray
-    answers: np.ndarray
+    state: TrackState
+
+    @property
+    def contact(self) -> np.ndarray:
+        """Contact forces and moments on the wheelsets, N and N.m, (wheelsets, 6)."""
+        return self.state.contact
+
+    @property
+    def answers(self) -> np.ndarray:
+        """All of the following, (8, wheelsets, 2), as in :class:`TrackState`."""
+        return self.state.answers
 
     @property
     def normal_force(self) -> np.ndarray:
@@ -166,7 +174,7 @@ class TrackModel:
         if p.interface == "applied_force":
             self.interface = APPLIED
         self._lateral_motion = p.rail.motion == "full"
-        self._layout = StateLayout(
+        self.layout = StateLayout(
             wheelsets=p.wheelset_count,
             waves=self.linear.rail.wave_number.size,
             fasteners=self.linear.fastener_count,
@@ -201,7 +209,7 @@ class TrackModel:
                 step=step,
             ),
             self._limits,
-            self._layout.starts,
+            self.layout.starts,
             Scratch.empty(steps, count, waves, half),
             WheelCoupling.empty(count, half),
             FreeStep.empty(count, half),
@@ -286,7 +294,7 @@ class TrackModel:
         if p.static_wheel_load > 0.0:
             heights, force = self._equilibrium(rest, motion, offsets)
         rails = rest(force)
-        state = TrackState(self._layout, np.zeros(self._layout.size)).replace(
+        state = TrackState(self.layout, np.zeros(self.layout.size)).replace(
             time=time,
             symmetric=self._field(SYMMETRIC, rails.vertical[0]),
             antisymmetric=self._field(ANTISYMMETRIC, rails.vertical[1]),
@@ -327,9 +335,9 @@ class TrackModel:
         TrackError
             If it has another length than the states of this model.
         """
-        if vector.shape != (self._layout.size,):
-            raise TrackError(f"a state of this track has {self._layout.size} numbers")
-        return TrackState(self._layout, vector)
+        if vector.shape != (self.layout.size,):
+            raise TrackError(f"a state of this track has {self.layout.size} numbers")
+        return TrackState(self.layout, vector)
 
     @property
     def _rails_move_sideways(self) -> bool:
@@ -416,29 +424,28 @@ class TrackModel:
         applied = self._no_force
         if self.interface == APPLIED:
             applied = self._on_axis(applied_force)
-        new, instant = np.empty(self._layout.size), start + dt if at_end else start
-        found = begin(operator, state.vector, new, motion, instant, True)
+        new, instant = np.empty(self.layout.size), start + dt if at_end else start
+        found = begin(operator, state.vector, new, motion, instant, True, 0)
         if found == SLIDE_DUE:
             state = self._slide_along(state, self._path(new, steps, step))
-            found = begin(operator, state.vector, new, motion, instant, False)
-        old = state.vector
-        for part in range(steps if found == GOOD else 0):
-            if part > 0:
-                old = new.copy()
-            free(operator, old, new, part)
-            if not touch(operator, new, applied):
-                found = NO_SOLUTION
+            found = begin(operator, state.vector, new, motion, instant, False, 0)
+        if found == GOOD:
+            found = finish(operator, state.vector, new, applied, 0)
+        for turn in range(1, steps if found == GOOD else 0):
+            old = new.copy()
+            begin(operator, old, new, motion, instant, False, turn)
+            found = finish(operator, old, new, applied, turn)
+            if found != GOOD:
                 break
-            close(operator, old, new, part == steps - 1)
         if found != GOOD:
             raise TrackError(self._why(found, new, steps, step))
         new[TIME] = start + dt
-        state = TrackState(self._layout, new)
-        return state, self.outputs(state)
+        state = TrackState(self.layout, new)
+        return state, TrackOutputs(state)
 
     def _path(self, vector: np.ndarray, steps: int, step: float) -> np.ndarray:
         """Motion at the end of each internal step, (steps, wheelsets, 11)."""
-        view, time = self._layout.view, vector[[TIME, POINT_TIME, PREVIOUS_TIME]]
+        view, time = self.layout.view, vector[[TIME, POINT_TIME, PREVIOUS_TIME]]
         points = view(vector, MOTION_NOW), view(vector, MOTION_BEFORE), view(vector, RATES_SEEN)
         path = np.empty((steps, *points[0].shape))
         for n in range(steps):
@@ -471,13 +478,13 @@ class TrackModel:
 
     def _why(self, found: int, new: np.ndarray, steps: int, step: float) -> str:
         """Say why a step was not made that has come as far as ``new``."""
-        state = TrackState(self._layout, new)
+        state = TrackState(self.layout, new)
         if found == NOT_FINITE:
             return f"a wheelset motion is not a finite number at t = {state.time:g} s"
         if found == NEAR_THE_END:
             x = self._path(new, steps, step)[:, :, 0]
             return near_the_end(self.parameters, state.window_start, state.time, x)
-        rows, wheels = self._layout.view(new, ROW), state.wheels
+        rows, wheels = self.layout.view(new, ROW), state.wheels
         return f"at t = {state.time - step:g} s, {self._where(rows, wheels)}"
 
     def _where(self, rows: np.ndarray, wheels: WheelState) -> str:
@@ -504,7 +511,7 @@ class TrackModel:
 
     def outputs(self, state: TrackState) -> TrackOutputs:
         """Return the contact forces on the wheelsets and what happens at the wheels."""
-        return TrackOutputs(state.contact, state.answers)
+        return TrackOutputs(state)
 
 
 __all__ = ["END_MARGIN", "TrackModel", "TrackOutputs", "TrackState"]

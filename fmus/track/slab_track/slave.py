@@ -9,11 +9,20 @@ from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
-from slab_track.model import TrackModel, TrackOutputs
+from slab_track.model import TrackModel
 from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.profile import TrackProfile
+from slab_track.state import (
+    ANSWER,
+    RAIL_FORCE,
+    SLIDE_COUNT,
+    SLIDE_RESIDUAL,
+    WHEELSET,
+    WINDOW_START,
+    pick,
+)
 
 LEVEL_CONTACT = (
     "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
@@ -87,17 +96,31 @@ class TrackSlave(RailSlave):
                 for name in ("lateral_force", "vertical_force", "roll_moment")
             ]
         )
-        self._contact = self.slice_of(*names.contact_names(count))
-        of_wheels = [self.indices(names.wheel_names(name, count)) for name in names.WHEEL]
-        self._wheels = np.array(of_wheels).reshape(len(of_wheels), count, 2)
-        self._on_rail = self.slice_of(*names.on_rail_names(count))
+        of_wheels = [name for kind in names.WHEEL for name in names.wheel_names(kind, count)]
+        places = self._model.layout.places
+        self._from = np.concatenate(
+            [
+                places(WHEELSET).ravel(),
+                places(ANSWER).ravel(),
+                places(RAIL_FORCE)[:, :, :2].ravel(),
+                [WINDOW_START, SLIDE_RESIDUAL],
+            ]
+        )
+        self._to = self.indices(
+            [
+                *names.contact_names(count),
+                *of_wheels,
+                *names.on_rail_names(count),
+                "window.start_position",
+                "window.slide_residual",
+            ]
+        )
         self._heights = self.slice_of(
             *(f"wheelset[{i}].static_vertical_displacement" for i in range(1, count + 1))
         )
         self._profiles = self.slice_of(
             *(name for group in names.PROFILES for name in names.profile_names(group))
         )
-        self._window = self.indices(["window.start_position", "window.slide_residual"])
 
     def _motion(self) -> np.ndarray:
         """Return the inputs as a motion array, shape (wheelsets, 11).
@@ -117,7 +140,7 @@ class TrackSlave(RailSlave):
         if self._model.parameters.interface == "applied_force":
             applied = self.reals[self._applied].T.reshape(-1, 2, 3)
         try:
-            self._state, outputs = self._model.step(
+            self._state, _ = self._model.step(
                 self._state,
                 self.reals[self._inputs].reshape(-1, len(MOTION)),
                 step_size,
@@ -126,7 +149,7 @@ class TrackSlave(RailSlave):
             )
         except TrackError as error:
             raise StepError(str(error)) from error
-        self._publish(outputs)
+        self._publish()
 
     def _check_way(self, time: float, step_size: float) -> None:
         """Refuse wheels inside the rail, and positions that do not follow from the velocities.
@@ -153,15 +176,11 @@ class TrackSlave(RailSlave):
                 )
         self._way = x, speed, step_size
 
-    def _publish(self, outputs: TrackOutputs | None = None) -> None:
-        state = self._state
-        if outputs is None:
-            outputs = self._model.outputs(state)
-        self.reals[self._contact] = outputs.contact.ravel()
-        self.reals[self._wheels] = outputs.answers
-        self.reals[self._on_rail] = state.rail_force[:, :, :2].ravel()
-        self.reals[self._window] = state.window_start, state.slide_residual
-        self.values["window.slide_count"] = state.slide_count
+    def _publish(self) -> None:
+        vector = self._state.vector
+        pick(vector, self._from, self.reals, self._to)
+        if vector[SLIDE_COUNT] != self.values["window.slide_count"]:
+            self.values["window.slide_count"] = int(vector[SLIDE_COUNT])
 
     def observe(self) -> None:
         """Write the profiles of rails and slabs."""

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from slab_track.compiled import entry
 from slab_track.contact.wheelset import FORCED, LOCATED, NORMAL_FORCE
 from slab_track.motion import MOTION, VELOCITY_COLUMNS
 
@@ -165,6 +166,10 @@ class StateLayout:
         """Length of the vector."""
         return int(self.starts[-1])
 
+    def places(self, part: int) -> np.ndarray:
+        """Return the places of an array's numbers in the vector, in the array's shape."""
+        return np.arange(*self.starts[part : part + 2]).reshape(self.shapes[part])
+
     def view(self, vector: np.ndarray, part: int) -> np.ndarray:
         """Return an array of the state as a view of its vector."""
         return vector[self.starts[part] : self.starts[part + 1]].reshape(self.shapes[part])
@@ -301,6 +306,13 @@ _NUMBERS = {
     "slide_residual": SLIDE_RESIDUAL,
     "datum": DATUM,
 }
+
+
+@entry
+def pick(vector, source, out, target):
+    """Copy numbers of a state's vector from the places ``source`` to ``target`` in ``out``."""
+    for i in range(source.size):
+        out[target[i]] = vector[source[i]]
 
 
 def begin_motion(state: TrackState, time: float, motion: np.ndarray) -> None:

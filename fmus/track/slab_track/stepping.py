@@ -1,7 +1,7 @@
 """The whole track over a communication step, in compiled parts.
 
-The parts are called one after the other: :func:`begin` once, then :func:`free`, :func:`touch` and
-:func:`close` for each internal step. As one function they would take twice as long to compile.
+For each internal step :func:`begin` and :func:`finish` are called one after the other. As one
+function they would take twice as long to compile.
 """
 
 from typing import NamedTuple
@@ -253,33 +253,6 @@ def _check_places(limits, start, may_slide, path):
     return GOOD
 
 
-@entry
-def begin(op, old, new, motion, time, may_slide):
-    """Take in the wheelsets' motion and look where it leads.
-
-    Parameters
-    ----------
-    op
-        :class:`TrackOperator`.
-    old, new
-        Vector of the state at the start, and the one that is to receive the state at the end.
-    motion
-        Wheelset motion at the instant ``time`` (s), (wheelsets, 11).
-    may_slide
-        False to go on where a slide is due.
-
-    Returns
-    -------
-    int
-        GOOD, or why the step cannot be made.
-    """
-    if not _take_motion(op, old, new, motion, time):
-        return NOT_FINITE
-    path = op.scratch.path
-    _make_path(op, new, path)
-    return _check_places(op.limits, new[WINDOW_START], may_slide, path)
-
-
 @kernel
 def _place_wheels(op, new, turn):
     """Put the wheels where they are at the end of an internal step."""
@@ -297,11 +270,38 @@ def _place_wheels(op, new, turn):
 
 
 @entry
-def free(op, old, new, turn):
-    """Step rails and slabs without wheel forces, to the end of internal step ``turn`` (0, 1, ...).
+def begin(op, old, new, motion, time, may_slide, turn):
+    """Step rails and slabs without wheel forces to the end of an internal step.
 
-    ``old`` and ``new`` as for :func:`begin`; ``old`` at the start of this internal step.
+    At the start of a communication step the wheelsets' motion is taken in before, and it is seen
+    where it leads.
+
+    Parameters
+    ----------
+    op
+        :class:`TrackOperator`.
+    old, new
+        Vector of the state at the start, and the one that is to receive the state at the end;
+        for further internal steps it is what :func:`finish` left, and ``old`` a copy of it.
+    motion
+        Wheelset motion at the instant ``time`` (s), (wheelsets, 11).
+    may_slide
+        False to go on where a slide is due.
+    turn
+        Number of the internal step, 0 for the first one.
+
+    Returns
+    -------
+    int
+        GOOD, or why the step cannot be made.
     """
+    if turn == 0:
+        if not _take_motion(op, old, new, motion, time):
+            return NOT_FINITE
+        _make_path(op, new, op.scratch.path)
+        found = _check_places(op.limits, new[WINDOW_START], may_slide, op.scratch.path)
+        if found != GOOD:
+            return found
     starts, settings, rail, scratch = op.starts, op.settings, op.rail, op.scratch
     step, shapes, places = settings.step, scratch.shapes, scratch.places
     new[TIME] = old[TIME] + step
@@ -315,40 +315,47 @@ def free(op, old, new, turn):
     fields = class_fields(old, new, starts, 1, fasteners)
     free_class_step(rail, op.antisymmetric, fields, coupling, shapes, step, free_a)
     put_together(free_s, free_a, op.at)
-    begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
+    lateral, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
     if not settings.moves_sideways:
-        copy(old[begin : begin + 2 * size], new[begin : begin + 2 * size])
-        return
+        copy(old[lateral : lateral + 2 * size], new[lateral : lateral + 2 * size])
+        return GOOD
     for side in range(2):
-        first = begin + side * size
+        first = lateral + side * size
         free_rail(
             op.lateral, rail.folding, old[first : first + size].reshape((3, -1)), shapes, step,
             new[first : first + size].reshape((3, -1)), scratch.taken[side], scratch.motion[side],
         )  # fmt: skip
     add_lateral(op.lateral, places, step, scratch.motion, op.at)
+    return GOOD
 
 
 @entry
-def touch(op, new, applied):
-    """Find the forces between wheels and rails; False where there is no solution.
+def finish(op, old, new, applied, turn):
+    """Find the forces between wheels and rails, and add what they and the fasteners do.
 
-    ``applied`` (wheels, 2, 3) are those on the rails' axes for APPLIED.
+    Parameters
+    ----------
+    op, old, new
+        As for :func:`begin`; ``old`` at the start of this internal step.
+    applied
+        Forces on the rails' axes for APPLIED, (wheels, 2, 3).
+    turn
+        Number of the internal step; after the last one the state's answers are written.
+
+    Returns
+    -------
+    int
+        GOOD or NO_SOLUTION.
     """
     count, starts = op.scratch.x.size, op.starts
     row = part(new, starts, ROW).reshape((count, 11))
     wheels = wheels_of(new, starts, count)
-    return interact(
+    if not interact(
         op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels
-    )
-
-
-@entry
-def close(op, old, new, last):
-    """Add what forces of wheels and fasteners do; after the ``last`` internal step answer."""
-    starts, settings, rail = op.starts, op.settings, op.rail
+    ):
+        return NO_SOLUTION
+    settings, rail = op.settings, op.rail
     step, shapes = settings.step, op.scratch.shapes
-    count = shapes.shape[0]
-    wheels = wheels_of(new, starts, count)
     force = wheels.rail_force
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
     fields, own = class_fields(old, new, starts, 0, fasteners), class_force(force, 1.0)
@@ -363,6 +370,7 @@ def close(op, old, new, last):
                 op.lateral, rail.folding, op.scratch.taken[side], shapes, side_force(force, side),
                 step, new[first : first + size].reshape((3, -1)),
             )  # fmt: skip
-    if last:
+    if turn == op.scratch.path.shape[0] - 1:
         report_rails(op.at, wheels)
         answer(wheels, settings.axis_depth, part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))
+    return GOOD
