@@ -89,7 +89,6 @@ class TrackSlave(RailSlave):
 
     def _find_places(self, count: int) -> None:
         self._inputs = self.slice_of(*names.motion_names(count))
-        self._mean = np.full(count, 1.0 / count)
         self._applied = np.array(
             [
                 self.indices(names.rail_head_names(name, count))
@@ -156,14 +155,15 @@ class TrackSlave(RailSlave):
 
         Means over the wheelsets are compared. A partner that gives no velocities is not asked.
         """
-        motion = self.reals[self._inputs].reshape(-1, len(MOTION))
-        if (deepest := float(motion[:, 2].max())) > _DEEPEST:
+        # As lists: so few numbers are not worth the calls of numpy.
+        motion = self.reals[self._inputs].tolist()
+        heights = motion[2 :: len(MOTION)]
+        if (deepest := max(heights)) > _DEEPEST:
             raise StepError(
-                f"at t = {time:g} s wheelset {int(motion[:, 2].argmax()) + 1} is {deepest:g} m "
+                f"at t = {time:g} s wheelset {heights.index(deepest) + 1} is {deepest:g} m "
                 "below where it rests, inside the rail: its vertical_displacement has diverged"
             )
-        means = self._mean @ motion
-        x, speed = float(means[0]), float(means[5])
+        x, speed = (sum(motion[i :: len(MOTION)]) / len(heights) for i in (0, 5))
         if self._way is not None and speed != 0.0:
             before, speed_before, elapsed = self._way
             elapsed = step_size if self._at_end else elapsed
