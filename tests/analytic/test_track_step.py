@@ -139,6 +139,18 @@ def test_work_of_the_force_is_the_energy_of_the_undamped_track():
     assert field_energy(model.linear, state) == pytest.approx(work, rel=1e-6)
 
 
+@pytest.mark.parametrize("at_end", [False, True])
+def test_wheels_are_where_their_motion_leads_at_the_end_of_a_step(at_end):
+    """Extrapolated over both internal steps, or given for the end."""
+    model, dt = TrackModel(SMALL), 2e-4
+    state = model.initial_state(_motion(0.1, speed=50.0))
+    for n in range(1, 4):
+        motion = _motion(0.1 + 50.0 * dt * (n if at_end else n - 1), speed=50.0)
+        state, _ = model.step(state, motion, dt, at_end=at_end, applied_force=vertical(np.zeros(2)))
+        assert state.time == pytest.approx(n * dt, rel=1e-12)
+        assert state.wheel_positions == pytest.approx([0.1 + 50.0 * n * dt], rel=1e-12)
+
+
 def test_damping_only_takes_energy():
     model = TrackModel(SMALL)
     state = model.initial_state(_motion(0.0))

@@ -5,7 +5,9 @@ import pytest
 from rail_quantities import ParameterError, UnknownParameterError, flatten, with_values
 from slab_track import HD, ZX, TrackError, TrackModel, TrackParameters
 from slab_track.motion import extrapolate
+from slab_track.parameters import Window
 from slab_track.presets import PAPER
+from slab_track.window import place_window
 
 
 @pytest.mark.parametrize(
@@ -134,3 +136,19 @@ def test_level_contact_refuses_internal_steps_at_which_its_wheels_bounce():
         with_values(level, {"integration.maximum_step": 3e-4})
     profiles = {"contact.model": "profiles", "integration.maximum_step": 3e-4}
     assert with_values(level, profiles).integration.maximum_step == 3e-4
+
+
+@pytest.mark.parametrize("offset", [0.0, -3.0])
+def test_wheels_keep_the_same_way_to_both_ends_at_the_worst_instants(offset):
+    """But for the offset; and the window lies on whole slabs of the line."""
+    p = TrackParameters(window=Window(vehicle_offset=offset))
+    wheels = -np.array([0.0, 2.5, 17.8, 20.3])
+    step = p.slide_length / 500.0
+    rear, front = [], []
+    for x in step * np.arange(1000) + 123.0:
+        start = place_window(p, x + wheels)
+        assert start / p.pitch == pytest.approx(round(start / p.pitch), abs=1e-9)
+        rear.append(x + wheels[-1] - start)
+        front.append(start + p.window_length - x)
+    assert min(rear) - min(front) == pytest.approx(2.0 * offset, abs=2.0 * step)
+    assert max(rear) - min(rear) == pytest.approx(p.slide_length, abs=2.0 * step)
