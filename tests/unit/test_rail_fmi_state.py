@@ -80,7 +80,12 @@ def test_another_format_version_is_refused_by_number():
     [
         (b'"<f8"', b'"|O8"'),
         (b'"array"', b'"pickl"'),
+        (b'"<f8"', b'"(<f"'),
+        (b'"<f8"', b'"f8,"'),
         (b"[3, 4]", b"[9, 9]"),
+        (b"[3, 4]", b"[-1, ]"),
+        (b"[3, 4]", b"[1e999]"),
+        (b"[3, 4]", b"-3    "),
         (b'"mode"', b'"mood"'),
     ],
 )

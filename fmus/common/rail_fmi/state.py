@@ -20,6 +20,7 @@ import functools
 import hashlib
 import json
 import math
+import re
 import struct
 from collections.abc import Mapping
 from typing import Any
@@ -33,6 +34,7 @@ FORMAT_VERSION = 1
 
 _HEAD = struct.Struct("<8sII32sQ")
 _DIGEST_SIZE = hashlib.sha256().digest_size
+_DTYPE = re.compile(r"[<|][biufc]\d{1,2}")
 _SCALARS: dict[str, type] = {"int": int, "bool": bool, "str": str}
 
 Value = np.ndarray | float | int | bool | str
@@ -167,7 +169,9 @@ def from_bytes(data: bytes) -> FmuState:
             error=str(header["error"]),
             values=_unpacked(header["entries"], body, _HEAD.size + header_size),
         )
-    except (KeyError, TypeError, ValueError, struct.error) as error:
+    except (
+        KeyError, TypeError, ValueError, OverflowError, RecursionError, struct.error
+    ) as error:  # fmt: skip
         raise StateError(f"the saved state cannot be read: {error}") from error
 
 
@@ -176,10 +180,13 @@ def _unpacked(entries: list[dict[str, Any]], body: bytes, offset: int) -> dict[s
     for entry in entries:
         name, kind = entry["name"], entry["type"]
         if kind == "array":
+            # Numpy's own reading of types is a language; here they have one letter and a size.
+            if not _DTYPE.fullmatch(entry["dtype"]):
+                raise StateError(f"state entry {name}: arrays of {entry['dtype']} are not allowed")
             dtype = np.dtype(entry["dtype"])
-            if dtype.kind not in "biufc":
-                raise StateError(f"state entry {name}: arrays of {dtype} are not allowed")
             shape = tuple(int(length) for length in entry["shape"])
+            if min(shape, default=0) < 0:
+                raise StateError(f"state entry {name}: an array cannot have the shape {shape}")
             count = math.prod(shape)
             flat = np.frombuffer(body, dtype, count, offset)
             native = flat.astype(dtype.newbyteorder("="))
