@@ -7,6 +7,7 @@ import errno
 import math
 import os
 import re
+import shutil
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -39,6 +40,7 @@ _INDEXED = re.compile(
 )
 _PART = 32768
 """Records in memory at a time while a long run is written."""
+_SPARE = 2**20  # bytes
 LEADING_POSITION = "wheelset[1].longitudinal_position"
 
 
@@ -185,7 +187,9 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     ResultsError
         If it could not be written at ``path``; says where it is instead.
     """
-    return _written(path, lambda scratch: dataset.to_netcdf(scratch, engine="h5netcdf"))
+    return _written(
+        path, dataset.nbytes, lambda scratch: dataset.to_netcdf(scratch, engine="h5netcdf")
+    )
 
 
 def stream_netcdf(
@@ -209,16 +213,16 @@ def stream_netcdf(
                     if "time" in values.dims:
                         file.variables[str(name)][start:stop] = values.to_numpy()
 
-    return _written(path, write)
+    return _written(path, len(recorder) * recorder.width * 8, write)
 
 
-def _written(path: Path, write: Callable[[Path], object]) -> Path:
+def _written(path: Path, size: int, write: Callable[[Path], object]) -> Path:
     try:
-        _replaced(path, write)
+        _replaced(path, size, write)
     except OSError as error:
         rescue = Path(tempfile.gettempdir()) / f"{path.stem}-{os.getpid()}.nc"
         try:
-            _replaced(rescue, write)
+            _replaced(rescue, size, write)
         except OSError as second:
             raise ResultsError(
                 f"{path}: the results could not be written ({error}), nor to {rescue} ({second})"
@@ -229,7 +233,10 @@ def _written(path: Path, write: Callable[[Path], object]) -> Path:
     return path
 
 
-def _replaced(path: Path, write: Callable[[Path], object]) -> None:
+def _replaced(path: Path, size: int, write: Callable[[Path], object]) -> None:
+    # HDF5 crashes the process later if there is no room for what it has begun.
+    if shutil.disk_usage(path.parent).free < 1.1 * size + _SPARE:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     scratch = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         write(scratch)

@@ -1,6 +1,7 @@
 """Records as a Dataset and as NetCDF."""
 
 import stat
+import types
 
 import master_mocks as mocks
 import numpy as np
@@ -216,3 +217,20 @@ def test_a_missing_library_is_found_before_the_run(tmp_path, monkeypatch):
     with pytest.raises(ResultsError, match=r"No module named 'h5py'.*install h5netcdf and h5py"):
         check_netcdf(tmp_path / "run.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_no_room_is_found_before_the_file_is_begun(tmp_path, monkeypatch):
+    """HDF5 would crash the process; the temporary folder takes the results."""
+    rescue = tmp_path / "temporary"
+    rescue.mkdir()
+    free = {tmp_path: 1000, rescue: 10**9}
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(rescue))
+    monkeypatch.setattr(
+        "shutil.disk_usage", lambda folder: types.SimpleNamespace(free=free[folder])
+    )
+    data = xr.Dataset({"x": ("time", np.arange(10.0))})
+    with pytest.raises(ResultsError, match=r"No space left.*they are in"):
+        write_netcdf(data, tmp_path / "run.nc")
+    assert not (tmp_path / "run.nc").exists()
+    (kept,) = rescue.iterdir()
+    assert xr.load_dataset(kept, engine="h5netcdf").equals(data)

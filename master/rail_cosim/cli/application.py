@@ -57,6 +57,10 @@ def plain_errors() -> Iterator[None]:
     except RailCosimError as error:
         say_error(str(error))
         raise typer.Exit(error.exit_status) from error
+    except OSError as error:  # a full disk, say, or a quota, wherever a file is written
+        what = f"{error.filename}: " if error.filename else ""
+        say_error(f"{what}{error.strerror or error}")
+        raise typer.Exit(1) from error
     except KeyboardInterrupt as error:
         say_error("stopped by the user")
         raise typer.Exit(130) from error
