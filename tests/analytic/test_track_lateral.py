@@ -237,6 +237,22 @@ def test_lateral_step_solves_the_dense_equations_with_second_order():
     np.testing.assert_allclose(orders, 2.0, atol=0.3)
 
 
+def test_rates_under_a_standing_wheel_are_those_of_the_displacements():
+    """By the trapezoidal rule: the mean of two rates is the difference of the displacements."""
+    model, dt = TrackModel(SMALL), 1e-4
+    state = model.initial_state(motion_at(0.4))
+    before = state.wheels.rail.copy()
+    for n in range(1, 60):
+        force = ramp(n * dt) + head_forces([0.0, 2e6 * n * dt, 0.0], [0.0, 1e6 * n * dt, 0.0])
+        state, _ = model.step(state, motion_at(0.4), dt, applied_force=force)
+        now = state.wheels.rail
+        mean, scale = 0.5 * (now + before)[..., 3:], np.abs(now[..., 3:]).max(axis=(0, 1))
+        assert np.all(scale > 0.0)
+        difference = (now - before)[..., :3] / dt
+        np.testing.assert_allclose(mean / scale, difference / scale, rtol=0, atol=1e-3)
+        before = now.copy()
+
+
 def test_long_hold_reaches_the_dense_static_solution():
     load = head_forces([2e4, 0.0, 1e3], [0.0, 0.0, -4e3])
     found, state, model = run(SMALL, lambda _t: load, 0.1, 1600, 1e-3)

@@ -6,6 +6,7 @@ import scipy.linalg
 from dense_track import dense_track, field_energy
 from slab_track import TrackModel, TrackParameters
 from slab_track.contact import ContactParameters
+from slab_track.equilibrium import rails_at_rest
 from slab_track.kernel import between, kernel_table, to_fasteners
 from slab_track.parameters import Fastener, Integration, Rail, Slab, SlabSupport, Window
 from slab_track.slide import sample_points, slide_operator, slide_rail
@@ -101,6 +102,33 @@ def test_long_hold_reaches_the_static_solution_of_the_dense_matrices():
     rows = dense.wheel_rows(np.array([local]))
     static = rows @ np.linalg.solve(dense.stiffness, rows.T @ load)
     np.testing.assert_allclose(found[-1], static, rtol=1e-6)
+
+
+def test_rails_at_rest_are_the_static_solution_of_the_dense_matrices():
+    """Under unlike loads on both rails, of which each sinks by its own."""
+    load, local = np.array([2e4, 6e4]), 9.3
+    force = np.zeros((1, 2, 3))
+    force[0, :, 1] = load
+    model, dense = TrackModel(SMALL), dense_track(SMALL)
+    rows = dense.wheel_rows(np.array([local]))
+    static = rows @ np.linalg.solve(dense.stiffness, rows.T @ load)
+    found = rails_at_rest(model.linear, None, np.array([local]), force).motion
+    np.testing.assert_allclose(found[0, :, 1], static, rtol=1e-9)
+    assert static[1] > 2.0 * static[0]
+
+
+def test_the_unloaded_rail_is_moved_by_the_slabs_within_the_step():
+    """What is told of it is what its modes say, from the first step on."""
+    model = TrackModel(SMALL)
+    state = model.initial_state(_motion(0.4))
+    for _ in range(4):
+        push = vertical(np.array([0.0, 5e4]))
+        state, out = model.step(state, _motion(0.4), 1e-4, applied_force=push)
+        left = np.sqrt(0.5) * (state.symmetric.rail[0] - state.antisymmetric.rail[0])
+        place = np.array([0.4 - state.window_start])
+        told, wanted = out.rail_deflection[0, 0], deflection(model.linear, left, place)[0]
+        assert wanted != 0.0
+        assert told == pytest.approx(wanted, rel=0.02)
 
 
 def test_energy_of_the_undamped_track_is_kept_by_free_vibration():
@@ -262,6 +290,8 @@ def test_level_contact_obeys_hertz_s_law_on_unequally_loaded_rails(residual):
     state = model.with_motion(state, motion)
     lever = 0.5 * parameters.contact.rolling_circle_distance * np.array([-1.0, 1.0])
     constant = parameters.contact.hertz_constant_used
+    resting = motion[:, 2, None] + state.datum - state.rail_deflection
+    np.testing.assert_allclose(state.normal_force, (resting / constant) ** 1.5, rtol=1e-9)
     motion[:, 3] = 4e-5, -2e-5
     for _ in range(5):
         motion[:, 0] += 50.0 * 1e-4
