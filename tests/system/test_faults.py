@@ -3,6 +3,7 @@
 import shutil
 import sys
 import time
+import zipfile
 
 import pytest
 import xarray as xr
@@ -57,3 +58,40 @@ def test_damaged_caches_are_made_anew_and_the_result_is_the_same(own, reference,
         damage(path)
     own.command("run", *SHORT, "--out", tmp_path / "run.nc")
     assert (force_of(tmp_path / "run.nc") == reference).all()
+
+
+@pytest.mark.slow
+def test_two_processes_fill_one_empty_cache(fmus, reference, tmp_path):
+    """Both build, extract and compile at the same time, and both results are right."""
+    empty = Product(fmus.folder, tmp_path / "cache")
+    files = [tmp_path / f"{number}.nc" for number in range(2)]
+    runs = [empty.start("run", *SHORT, "--out", file) for file in files]
+    assert [run.wait(900) for run in runs] == [0, 0]
+    for file in files:
+        assert (force_of(file) == reference).all()
+
+
+@pytest.mark.slow
+def test_a_run_killed_while_it_builds_extracts_or_compiles_does_no_harm(fmus, reference, tmp_path):
+    empty = Product(fmus.folder, tmp_path / "cache")
+    for seconds in (1.0, 2.0, 3.0, 4.5, 6.0, 10.0, 20.0):
+        run = empty.start("run", *SHORT, "--out", tmp_path / "killed.nc")
+        time.sleep(seconds)
+        run.kill()
+        run.wait()
+    file = tmp_path / "run.nc"
+    empty.command("run", *SHORT, "--out", file, timeout=900)
+    assert (force_of(file) == reference).all()
+
+
+@pytest.mark.slow
+def test_a_build_killed_at_any_time_leaves_whole_files_or_none(fmus, tmp_path):
+    for tenths in range(2, 40, 3):
+        folder = tmp_path / f"killed{tenths}"
+        build = fmus.start("build", "--out", folder)
+        time.sleep(0.1 * tenths)
+        build.kill()
+        build.wait()
+        for path in folder.glob("*.fmu"):
+            with zipfile.ZipFile(path) as archive:
+                assert archive.testzip() is None

@@ -70,3 +70,10 @@ def test_history_forgets_all_but_three():
 def test_interpolation_needs_two_values():
     with pytest.raises(ValueError, match="both ends"):
         history(1, 1).interpolate(1)
+
+
+def test_a_history_of_one_wheelset():
+    made = ForceHistory.begin(np.ones((1, 6))).append(np.full((1, 6), 3.0), 1e-4)
+    curve = made.extrapolate(1e-4, 1)
+    assert curve.end.shape == (1, 6)
+    assert curve.end == pytest.approx(np.full((1, 6), 5.0))

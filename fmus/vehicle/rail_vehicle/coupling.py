@@ -21,7 +21,7 @@ INPUT_TIMES = ("step_start", "step_end")
 
 
 class ForcePolynomial(NamedTuple):
-    """Forces over a step: values at both ends and quadratic part, each (4, 6)."""
+    """Forces over a step: values at both ends and quadratic part, each (wheelsets, 6)."""
 
     start: Array
     end: Array
@@ -56,7 +56,7 @@ class ForceHistory:
         replaced: at a communication point only the last value counts.
         """
         memory = ForceMemory(self)
-        memory.append(np.ascontiguousarray(forces, dtype=float).reshape(24), elapsed)
+        memory.append(np.ascontiguousarray(forces, dtype=float).ravel(), elapsed)
         made = memory.history
         return type(self)(made.ages, made.forces)
 
@@ -85,7 +85,7 @@ class ForceHistory:
 
 
 def _polynomial(rows: Array) -> ForcePolynomial:
-    start, end, bow = rows.reshape(3, 4, 6)
+    start, end, bow = rows.reshape(3, -1, 6)
     return ForcePolynomial(start, end, bow)
 
 
@@ -99,28 +99,28 @@ class ForceMemory:
     """
 
     def __init__(self, history: ForceHistory) -> None:
-        self._memory = np.zeros(_MEMORY)
-        count = history.ages.size
+        count, width = history.ages.size, history.forces[0].size
+        self._memory = np.zeros(_FORCES + 3 * width)
         self._memory[0] = count
         self._memory[_AGES : _AGES + count] = history.ages
-        self._memory[_FORCES : _FORCES + 24 * count] = history.forces.ravel()
-        self._curve = np.zeros((3, 24))
+        self._memory[_FORCES : _FORCES + width * count] = history.forces.ravel()
+        self._curve = np.zeros((3, width))
 
     @property
     def history(self) -> ForceHistory:
         """A copy of what it holds."""
-        count = int(self._memory[0])
-        values = self._memory[_FORCES : _FORCES + 24 * count]
+        count, width = int(self._memory[0]), self._curve.shape[1]
+        values = self._memory[_FORCES : _FORCES + width * count]
         return ForceHistory(
-            self._memory[_AGES : _AGES + count].copy(), values.copy().reshape(count, 4, 6)
+            self._memory[_AGES : _AGES + count].copy(), values.copy().reshape(count, -1, 6)
         )
 
     def append(self, forces: Array, elapsed: float) -> None:
-        """Take in a value (24,) ``elapsed`` seconds after the newest."""
+        """Take in a value, six numbers per wheelset, ``elapsed`` seconds after the newest."""
         _append(self._memory, forces, elapsed)
 
     def over_step(self, step: float, order: int, *, at_end: bool) -> Array:
-        """Return start, end and bow of the forces over a step, shape (3, 24).
+        """Return start, end and bow of the forces over a step, shape (3, 6 per wheelset).
 
         The newest value is that of the step's end or of its start. The array is
         written over by the next call.
@@ -130,38 +130,40 @@ class ForceMemory:
 
 
 # The memory as one vector: how many values it holds, their ages, the values.
-_AGES, _FORCES, _MEMORY = 1, 4, 4 + 3 * 24
+_AGES, _FORCES = 1, 4
 
 
 @entry
 def _append(memory: Array, newest: Array, elapsed: float) -> None:
+    width = newest.size
     if elapsed > 0.0:
         memory[0] = min(3.0, memory[0] + 1.0)
         for value in range(2, 0, -1):
             memory[_AGES + value] = memory[_AGES + value - 1] + elapsed
-            for column in range(24):
-                place = _FORCES + 24 * value + column
-                memory[place] = memory[place - 24]
+            for column in range(width):
+                place = _FORCES + width * value + column
+                memory[place] = memory[place - width]
     memory[_AGES] = 0.0
-    for column in range(24):
+    for column in range(width):
         memory[_FORCES + column] = newest[column]
 
 
 @entry
 def _over_step(memory: Array, step: float, order: int, at_end: bool, curve: Array) -> None:
     """Write the polynomial through the newest values (Newton's divided differences)."""
+    width = curve.shape[1]
     count = min(order + 1, int(memory[0]))
     before, earlier = memory[_AGES + 1], memory[_AGES + 2]
-    for column in range(24):
+    for column in range(width):
         newest = memory[_FORCES + column]
         slope, curvature = 0.0, 0.0
         if count > 1:
-            slope = (newest - memory[_FORCES + 24 + column]) / before
+            slope = (newest - memory[_FORCES + width + column]) / before
         if count > 2:
-            other = memory[_FORCES + 24 + column] - memory[_FORCES + 48 + column]
+            other = memory[_FORCES + width + column] - memory[_FORCES + 2 * width + column]
             curvature = (slope - other / (earlier - before)) / earlier
         if at_end:
-            curve[0, column] = memory[_FORCES + 24 + column] if count > 1 else newest
+            curve[0, column] = memory[_FORCES + width + column] if count > 1 else newest
             curve[1, column] = newest
         else:
             reach = step + (before if memory[0] > 1.0 else 0.0)
