@@ -211,6 +211,28 @@ class March:
         self._records = np.empty((LONGEST, recorder.width))
         self._seen = np.empty((LONGEST, len(watched)))
         self.finished = 0, self._seen[:0]
+        self._steps(0, 0, 1.0)  # compiles it, before time matters
+
+    def _steps(self, done: int, count: int, step_size: float) -> tuple[int, int, int, int, int]:
+        return _march(
+            self._calls,
+            self._firsts,
+            self._sources,
+            self._system.feeds,
+            self._system.board,
+            self._system.counters,
+            done,
+            count,
+            step_size,
+            self._sequential,
+            self._recorder.every,
+            self._records,
+            self._real_columns,
+            self._counter_columns,
+            self._watched,
+            self._seen,
+            self._places,
+        )
 
     def run(self, done: int, count: int, step_size: float) -> tuple[int, Array]:
         """Do up to :data:`LONGEST` steps after ``done``; record what is due.
@@ -230,28 +252,9 @@ class March:
             When a slave returns a status that ends the run. The steps before are then in
             :attr:`finished` and recorded.
         """
-        every = self._recorder.every
         for row, slave in zip(self._calls, self._slaves, strict=True):
             row[_ROLLS_BACK] = slave.rolls_back
-        reached, recorded, port, call, status = _march(
-            self._calls,
-            self._firsts,
-            self._sources,
-            self._system.feeds,
-            self._system.board,
-            self._system.counters,
-            done,
-            count,
-            step_size,
-            self._sequential,
-            every,
-            self._records,
-            self._real_columns,
-            self._counter_columns,
-            self._watched,
-            self._seen,
-            self._places,
-        )
+        reached, recorded, port, call, status = self._steps(done, count, step_size)
         self._recorder.append(self._records[:recorded])
         self.finished = reached, self._seen[: reached - done]
         for slave in self._slaves:
