@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import json
+import math
 import platform
 from collections.abc import Mapping
 from typing import Any
@@ -66,9 +67,16 @@ def changed_attribute(
     for slave, values in given.items():
         for name, value in values.items():
             before = usual.get(slave, {}).get(name, descriptions[slave].variables[name].start)
-            if value != before:
+            if not _same(value, before):
                 changed[f"{slave}.{name}"] = before
     return {CHANGED: json.dumps(changed)}
+
+
+def _same(one: Value, other: Value | None) -> bool:
+    """Whether two values are equal but for rounding: 300 km/h are not exact in m/s."""
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=1e-12)
+    return one == other
 
 
 def run_attributes(outcome: Outcome, algorithm: Algorithm, command: str) -> dict[str, Any]:
