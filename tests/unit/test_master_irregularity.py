@@ -100,7 +100,7 @@ def test_settings_win_over_the_option():
 )
 def test_a_lines_preset_does_not_decide_on_the_vehicles_wheels(monkeypatch, vehicle, expected):
     preset = {"contact.wheel_radius": "0.46"}
-    monkeypatch.setattr("rail_cosim.runner.read_preset", lambda *_: preset)
+    monkeypatch.setattr("rail_cosim.presets.read_preset", lambda *_: preset)
     descriptions = {
         "track": FmuDescription(path=None, model_name="", identifier="", guid="", variables=TRACK),
         "vehicle": FmuDescription(

@@ -1,12 +1,13 @@
 """Sizes that a quantity can have in this field, by unit: beyond them a value is a slip.
 
-They are wide: some orders of magnitude past all that is built. What lies outside is a wrong
+They are wide: some orders of magnitude past all that is built, with room for supports that stand
+for rigid ones. What lies outside is a wrong
 unit or a wrong exponent, and would only come back as overflow, or as a matrix of no rank.
 """
 
 SIZES: dict[str, tuple[float, float]] = {
     "1": (1e-9, 1e9),
-    "m": (1e-12, 1e8),
+    "m": (1e-12, 1e12),
     "m2": (1e-8, 1e2),
     "m4": (1e-12, 1e2),
     "s": (1e-7, 1e3),
@@ -16,13 +17,13 @@ SIZES: dict[str, tuple[float, float]] = {
     "m/s": (1e-6, 1e3),
     "m/s2": (1e-9, 1e4),
     "N": (1e-6, 1e9),
-    "N/m": (1e-3, 1e12),
-    "N/m3": (1e-3, 1e15),
+    "N/m": (1e-3, 1e18),
+    "N/m3": (1e-3, 1e18),
     "N.s/m": (1e-3, 1e10),
     "N.m/rad": (1e-3, 1e13),
-    "N.m2": (1e-3, 1e12),
+    "N.m2": (1e-3, 1e18),
     "m/N^(2/3)": (1e-12, 1e-3),
-    "Pa": (1e3, 1e15),
+    "Pa": (1e3, 1e18),
 }
 """Smallest and largest size of a value that is not zero."""
 
