@@ -73,16 +73,22 @@ class InterfaceEnergy:
         What instant the inputs of each slave stand for.
     step_size
         Macro step in s.
+
+    Attributes
+    ----------
+    places
+        Where the forces, then the motions that belong to them, are on the system's board.
     """
 
     def __init__(
         self, system: SystemStructure, input_times: Mapping[str, str], step_size: float
     ) -> None:
         track, vehicle = system.port("track"), system.port("vehicle")
-        forces, motions = self._names = _pairs(system)
-        self._track, self._vehicle = track.outputs.values, vehicle.outputs.values
-        self._force_at = np.array([track.outputs.names.index(n) for n in forces], dtype=np.intp)
-        self._motion_at = np.array([vehicle.outputs.names.index(n) for n in motions], dtype=np.intp)
+        forces, motions = _pairs(system)
+        self._board, self._count = system.board, len(forces)
+        of_track = [system.place_of("track", name) for name in forces]
+        of_vehicle = [system.place_of("vehicle", name) for name in motions]
+        self.places = np.array(of_track + of_vehicle, dtype=np.intp)
         self._assume_motion = _assumption(track, input_times)
         self._assume_force = _assumption(vehicle, input_times)
         self._step_size = step_size
@@ -90,39 +96,24 @@ class InterfaceEnergy:
         self._forces = np.zeros((_BLOCK + 2, len(forces)))
         self._motions = np.zeros((_BLOCK + 2, len(motions)))
         self._report = EnergyReport()
-        self._row = 2
-        self._store(0)
-        self._store(1)
-
-    def _store(self, row: int) -> None:
-        self._track.take(self._force_at, out=self._forces[row], mode="clip")
-        self._vehicle.take(self._motion_at, out=self._motions[row], mode="clip")
-
-    def places(self, system: SystemStructure) -> NDArray[np.intp]:
-        """Return the places on the system's board of what :meth:`take_in` wants."""
-        forces = [system.place_of("track", name) for name in self._names[0]]
-        motions = [system.place_of("vehicle", name) for name in self._names[1]]
-        return np.array(forces + motions, dtype=np.intp)
+        self._row = 0
+        self.observe()
+        self.observe()
 
     def take_in(self, rows: Array) -> None:
-        """Take in the values at the ends of some steps, shape (steps, places)."""
-        count = len(self._force_at)
+        """Take in the values of :attr:`places` at the ends of some steps, (steps, places)."""
         for row in rows:
-            self._forces[self._row], self._motions[self._row] = row[:count], row[count:]
-            self._advance()
+            self._forces[self._row] = row[: self._count]
+            self._motions[self._row] = row[self._count :]
+            self._row += 1
+            if self._row == _BLOCK + 2:
+                self._report = self.report()
+                self._forces[:2], self._motions[:2] = self._forces[-2:], self._motions[-2:]
+                self._row = 2
 
     def observe(self) -> None:
         """Take in the values at the end of a step."""
-        self._store(self._row)
-        self._advance()
-
-    def _advance(self) -> None:
-        self._row += 1
-        if self._row == _BLOCK + 2:
-            self._report = self.report()
-            last = slice(self._row - 2, self._row)
-            self._forces[:2], self._motions[:2] = self._forces[last], self._motions[last]
-            self._row = 2
+        self.take_in(self._board[self.places][None])
 
     def report(self) -> EnergyReport:
         """Return what has been accumulated so far."""

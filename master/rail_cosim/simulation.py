@@ -180,7 +180,7 @@ class Simulation:
             self._system,
             sequential=order == "sequential",
             recorder=self.recorder,
-            watched=self._energy.places(self._system),
+            watched=self._energy.places,
         )
 
     def run(

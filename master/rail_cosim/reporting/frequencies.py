@@ -95,9 +95,24 @@ def _spectrum(
     found = amplitude_spectrum(_part(run, array))
     found = found.isel(frequency=slice(2, None)).sel(frequency=slice(None, _HIGHEST))
     frequency = found["frequency"].to_numpy()
-    lines = [
+    largest = float(found.max()) * factor
+    marks = {"sleepers": summary.sleeper_frequency, "slabs": summary.slab_frequency}
+    drawn = chart(
+        _lines(found, frequency, factor),
+        x="frequency (Hz)",
+        y=f"amplitude ({unit})",
+        x_axis={"range": [0, min(500.0, float(frequency[-1]))]},
+        y_axis=_decades(largest, 5),
+        marks={word: f for word, f in marks.items() if not math.isnan(f)},
+    )
+    return Figure(title=f"Spectrum: {title}", chart=drawn)
+
+
+def _lines(found: xr.DataArray, over: np.ndarray, factor: float) -> list[dict[str, object]]:
+    """Return a line for each channel, kept above 0 for a logarithmic axis."""
+    return [
         line(
-            frequency,
+            over,
             np.maximum(values.to_numpy() * factor, _LEAST),
             name,
             colour=colour,
@@ -106,17 +121,6 @@ def _spectrum(
         )
         for name, values, colour, dash, shown in channels(found)
     ]
-    largest = float(found.max()) * factor
-    marks = {"sleepers": summary.sleeper_frequency, "slabs": summary.slab_frequency}
-    drawn = chart(
-        lines,
-        x="frequency (Hz)",
-        y=f"amplitude ({unit})",
-        x_axis={"range": [0, min(500.0, float(frequency[-1]))]},
-        y_axis=_decades(largest, 5),
-        marks={word: f for word, f in marks.items() if not math.isnan(f)},
-    )
-    return Figure(title=f"Spectrum: {title}", chart=drawn)
 
 
 def _decades(largest: float, count: int) -> dict[str, object]:
@@ -129,20 +133,9 @@ def _orders(run: xr.Dataset, array: xr.DataArray, title: str, unit: str, factor:
     found = order_spectrum(run, array).isel(order=slice(1, None))
     found = found.sel(order=slice(None, _HIGHEST_ORDER))
     order = found["order"].to_numpy()
-    lines = [
-        line(
-            order,
-            np.maximum(values.to_numpy() * factor, _LEAST),
-            name,
-            colour=colour,
-            dash=dash,
-            shown=shown,
-        )
-        for name, values, colour, dash, shown in channels(found)
-    ]
     bay, slab = periods(run)
     drawn = chart(
-        lines,
+        _lines(found, order, factor),
         x="order: periods per fastener spacing",
         y=f"amplitude ({unit})",
         y_axis=_decades(float(found.max()) * factor, 5),
