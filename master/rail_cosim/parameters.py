@@ -65,6 +65,8 @@ def _convert(full: str, variable: Variable, value: object) -> Value:
 
 def _text(full: str, variable: Variable, value: object) -> str:
     word = str(value)
+    if "\0" in word:  # it would end the text on its way through C
+        raise ParameterError(full, word, "must be text without the character NUL")
     if variable.choices and word not in variable.choices:
         close = nearest(word, variable.choices, 1)
         remedy = f"did you mean {close[0]}?" if close else ""
@@ -92,12 +94,14 @@ def _number(full: str, variable: Variable, value: object) -> float | int:
     unit = f" {variable.unit}" if variable.unit not in ("", "1") else ""
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if isinstance(value, bool) or not math.isfinite(number):
         raise ParameterError(full, value, "must be a finite number" + _in(unit), meaning)
     if variable.kind == "integer" and number != int(number):
         raise ParameterError(full, value, "must be a whole number", meaning)
+    if variable.kind == "integer" and not -(2**31) <= number < 2**31:
+        raise ParameterError(full, value, "must be a whole number of 32 bits", meaning)
     low, high = variable.minimum, variable.maximum
     if (low is not None and number < low) or (high is not None and number > high):
         pairs = (("at least", low), ("at most", high))

@@ -8,7 +8,7 @@ import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from xml.etree.ElementTree import Element
 
@@ -17,7 +17,7 @@ from rail_cosim.cache import cache_directory
 from rail_cosim.connections import Connection, connect
 from rail_cosim.contract import role_of
 from rail_cosim.description import FmuDescription, read_description
-from rail_cosim.errors import FmuFileError, ParameterError, StructureError
+from rail_cosim.errors import FmuFileError, StructureError, UnknownNameError
 from rail_cosim.ssv import Entry, entries_of, read_entries
 
 _SSD = "{http://ssp-standard.org/SSP1/SystemStructureDescription}"
@@ -59,7 +59,7 @@ def read_ssp(path: Path) -> SspSystem:
     StructureError
         If it holds anything else than such a pair.
     ParameterError
-        If a value is bound in another unit than its variable has.
+        If a value is bound in another unit or type than its variable has, or to no component.
     """
     with opened(path, "SSP package") as archive:
         try:
@@ -149,15 +149,25 @@ class _Package:
     ) -> dict[str, dict[str, str]]:
         """Return the values bound to each component; those of the system win."""
         found: dict[str, dict[str, str]] = {}
+        above = self._of_the_system(components)
         for name, component in components.items():
             entries = self._entries(component, descriptions[name].path)
-            for entry in self._entries(self.system, None):
-                owner, _, variable = entry.name.partition(".")
-                if owner == name:
-                    entries.append(dataclasses.replace(entry, name=variable))
+            entries += above.get(name, [])
             found[name] = {entry.name: entry.value for entry in entries}
             for entry in entries:
-                _check_unit(name, entry, descriptions[name])
+                if entry.name in descriptions[name].variables:  # others are refused with the rest
+                    entry.check(name, descriptions[name].variables[entry.name])
+        return found
+
+    def _of_the_system(self, components: Collection[str]) -> dict[str, list[Entry]]:
+        """Return the values bound above the components, by component."""
+        found: dict[str, list[Entry]] = {}
+        for entry in self._entries(self.system, None):
+            owner, _, variable = entry.name.partition(".")
+            if owner not in components:
+                known = [f"{component}.{variable or owner}" for component in components]
+                raise UnknownNameError(entry.name, entry.value, known, "component's parameter")
+            found.setdefault(owner, []).append(dataclasses.replace(entry, name=variable))
         return found
 
     def _entries(self, element: Element, fmu: Path | None) -> list[Entry]:
@@ -178,7 +188,7 @@ class _Package:
     def _binding(self, binding: Element, fmu: Path | None) -> list[Entry]:
         source = binding.get("source")
         if source is None:
-            return entries_of(binding)  # written in place
+            return entries_of(binding, f"{self.path}: {_STRUCTURE}")  # written in place
         where = f"{self.path}: {source}"
         if binding.get("sourceBase") == "component" and fmu is not None:
             with opened(fmu) as archive:
@@ -192,17 +202,6 @@ class _Package:
         keys = ("startElement", "startConnector", "endElement", "endConnector")
         lines = self.system.iterfind(f"{_SSD}Connections/{_SSD}Connection")
         return [tuple(line.get(key, "") for key in keys) for line in lines]  # type: ignore[misc]
-
-
-def _check_unit(component: str, entry: Entry, description: FmuDescription) -> None:
-    variable = description.variables.get(entry.name)
-    if variable is not None and entry.unit and entry.unit != (variable.unit or entry.unit):
-        raise ParameterError(
-            f"{component}.{entry.name}",
-            entry.value,
-            f"is bound in {entry.unit}, but the variable is in {variable.unit}",
-            "values are not converted: give it in the variable's unit",
-        )
 
 
 def _check_connections(

@@ -8,22 +8,65 @@ from collections.abc import Iterable, Mapping
 from xml.etree.ElementTree import Element, SubElement
 
 from rail_cosim.archives import parse_xml
-from rail_cosim.errors import FmuFileError
+from rail_cosim.errors import FmuFileError, ParameterError
 from rail_cosim.slave import Value, Variable
 
 SSV = "{http://ssp-standard.org/SSP1/SystemStructureParameterValues}"
 SSC = "{http://ssp-standard.org/SSP1/SystemStructureCommon}"
 _TAGS = {"real": "Real", "integer": "Integer", "boolean": "Boolean", "string": "String"}
 _TAGS["enumeration"] = "Enumeration"
+_ABOUT = f"{SSC}Annotations"
+_FITTING = {
+    "real": ("Real", "Integer"),
+    "integer": ("Integer", "Real"),  # `checked` demands a whole number
+    "boolean": ("Boolean",),
+    "string": ("String", "Enumeration"),  # an FMU may offer the words of a text as a choice
+    "enumeration": ("Enumeration", "String", "Integer"),
+}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
 class Entry:
-    """One value of a parameter set: as text, with its unit (empty: that of the variable)."""
+    """One value of a parameter set.
+
+    Attributes
+    ----------
+    name, value
+        As text.
+    type
+        What the set says it is: ``Real``, ``Integer``, ``Boolean``, ``String``, ``Enumeration``.
+    unit
+        Empty for that of the variable.
+    """
 
     name: str
     value: str
+    type: str
     unit: str = ""
+
+    def check(self, owner: str, variable: Variable) -> None:
+        """Hold type and unit against the variable that the value is for.
+
+        Raises
+        ------
+        ParameterError
+            If they are others; ``owner`` goes before the name in the message.
+        """
+        name = f"{owner}.{self.name}"
+        if self.type not in _FITTING[variable.kind]:
+            raise ParameterError(
+                name,
+                self.value,
+                f"is given as {self.type}, but the variable is {_TAGS[variable.kind]}",
+                f"write <ssv:{_TAGS[variable.kind]} value=.../>",
+            )
+        if self.unit and self.unit != (variable.unit or self.unit):
+            raise ParameterError(
+                name,
+                self.value,
+                f"is bound in {self.unit}, but the variable is in {variable.unit}",
+                "values are not converted: give it in the variable's unit",
+            )
 
 
 def read_entries(content: bytes, where: str) -> list[Entry]:
@@ -39,27 +82,53 @@ def read_entries(content: bytes, where: str) -> list[Entry]:
     Raises
     ------
     FmuFileError
-        If it cannot be read.
+        If it cannot be read, or what :func:`entries_of` says.
     """
     try:
         root = parse_xml(content)
     except ElementTree.ParseError as error:
         raise FmuFileError(f"{where} cannot be read ({error})") from error
-    return entries_of(root)
-
-
-def entries_of(root: Element) -> list[Entry]:
-    """Return the values below an XML element."""
-    return [
-        Entry(
-            name=parameter.get("name", ""),
-            value=about.attrib["value"],
-            unit=about.get("unit", ""),
+    if root.tag != f"{SSV}ParameterSet":
+        raise FmuFileError(
+            f"{where}: this is no parameter set of SSP 1.0: its root is {root.tag}, and must be "
+            f"{SSV}ParameterSet"
         )
-        for parameter in root.iter(f"{SSV}Parameter")
-        for about in parameter
-        if "value" in about.attrib
-    ]
+    return entries_of(root, where)
+
+
+def entries_of(root: Element, where: str) -> list[Entry]:
+    """Return the values of a parameter set, or of one that is written in place.
+
+    Raises
+    ------
+    FmuFileError
+        If a parameter has no name, a name is there twice, or it has not one value of one of
+        the five types.
+    """
+    entries: dict[str, Entry] = {}
+    for number, parameter in enumerate(root.iter(f"{SSV}Parameter"), start=1):
+        name = parameter.get("name", "")
+        if not name:
+            raise FmuFileError(f"{where}: parameter {number} has no name")
+        if name in entries:
+            raise FmuFileError(f"{where}: {name} is there twice; a set has each name once")
+        entries[name] = _entry(name, parameter, where)
+    return list(entries.values())
+
+
+def _entry(name: str, parameter: Element, where: str) -> Entry:
+    given = [about for about in parameter if about.tag != _ABOUT]
+    tags = [about.tag.removeprefix(SSV) for about in given]
+    known = [SSV + tag for tag in _TAGS.values()]
+    if len(given) != 1 or given[0].tag not in known:
+        raise FmuFileError(
+            f"{where}: {name} must have one value, a {', '.join(_TAGS.values())} of the name "
+            f"space {SSV.strip('{}')}; it has {', '.join(tags) or 'none'}"
+        )
+    (about,), (tag,) = given, tags
+    if "value" not in about.attrib:
+        raise FmuFileError(f'{where}: the {tag} of {name} has no value; write value="..."')
+    return Entry(name=name, value=about.attrib["value"], type=tag, unit=about.get("unit", ""))
 
 
 def parameter_set(
