@@ -85,9 +85,7 @@ def outcome(
         try:
             results = run(parameters)
         except ParameterError as error:
-            return Outcome(
-                "refused in set-up", str(error), _message_fault(error.name, value, error)
-            )
+            return Outcome("refused in set-up", str(error), _message_fault(name, value, error))
         except refusals as error:
             return Outcome(
                 "refused in set-up or a step", str(error), "" if str(error) else "no text"

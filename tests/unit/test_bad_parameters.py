@@ -1,8 +1,8 @@
 """Every parameter of both cores with values that make no sense.
 
 The parameters are those that the FMUs declare, so none is forgotten. Each value has one of two
-outcomes: it is refused with name, value and limit, or a short run with it stays finite (the
-runs take some minutes: `make test-slow`).
+outcomes: it is refused with name, value and limit, or a short run with it stays finite (those
+of the track take some minutes: `make test-slow`).
 """
 
 import numpy as np
@@ -87,7 +87,6 @@ def test_track(group):
     assert faults(found) == []
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("group", sorted({name.partition(".")[0] for name in VEHICLE_NAMES}))
 def test_vehicle(group):
     names = [n for n in VEHICLE_NAMES if n.partition(".")[0] == group]

@@ -217,8 +217,10 @@ class Slab(ParameterSet):
         symbol="L_s",
         at_least=0.0,
     )
-    width: float = quantity(2.5, "m", "Width of a slab", symbol="D_s", above=0.0)
-    thickness: float = quantity(0.17, "m", "Thickness of a slab", symbol="H_s", above=0.0)
+    width: float = quantity(2.5, "m", "Width of a slab", symbol="D_s", above=0.0, at_most=20.0)
+    thickness: float = quantity(
+        0.17, "m", "Thickness of a slab", symbol="H_s", above=0.0, at_most=5.0
+    )
     density: float = quantity(2800.0, "kg/m3", "Density of the slab", symbol="rho_s", above=0.0)
     youngs_modulus: float = quantity(
         3.6e10, "Pa", "Young's modulus of the slab", symbol="E_s", above=0.0

@@ -113,8 +113,13 @@ def contraction(operators: Operators, slopes: Array) -> float:
     ``slopes`` are the largest slopes of the element forces over elongation (8)
     and over its rate (8).
     """
+    return float(np.max(np.abs(np.linalg.eigvals(element_gains(operators, slopes)))))
+
+
+def element_gains(operators: Operators, slopes: Array) -> Array:
+    """Largest change of each element's force for one newton of each other's, shape (8, 8)."""
     count = slopes.size // 2
     feedback = np.abs(operators.feedback.T)
     by_elongation = slopes[:count, None] * feedback[:count, :count]
     by_rate = slopes[count:, None] * feedback[count : 2 * count, :count]
-    return float(np.max(np.abs(np.linalg.eigvals(by_elongation + by_rate))))
+    return by_elongation + by_rate

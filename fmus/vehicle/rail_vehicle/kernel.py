@@ -28,6 +28,9 @@ VECTOR_COUNT = STATE_COUNT + 14
 RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
 """Length of what outputs are made of: state, contact forces, acceleration, internal forces."""
 
+GOOD, NOT_FOUND, BEYOND = 0, 1, 2
+"""What :func:`advance` says of a step."""
+
 _MAX_ITERATIONS = 60
 
 
@@ -368,8 +371,9 @@ def advance(
     feedback: Array,
     constants: Array,
     law: Array,
+    limits: Array,
     result: Array,
-) -> bool:
+) -> int:
     """Advance by ``count`` steps of length ``step``.
 
     Parameters
@@ -388,13 +392,16 @@ def advance(
         and the vertical force of a wheelset at rest in N.
     law
         Constants of the non-linear elements.
+    limits
+        Largest absolute value of each number of the state, shape (104,), SI units.
     result
         Written as by :func:`evaluate` at the end, shape (145,).
 
     Returns
     -------
-    bool
-        Whether the internal forces were found in every step and all is finite.
+    int
+        ``GOOD``; ``NOT_FOUND`` if internal forces were not found or a number is not finite;
+        ``BEYOND`` if a number of the state is beyond its limit.
     """
     state = vector[:VECTOR_COUNT].copy()
     now = np.zeros(SIGNAL_COUNT)
@@ -415,4 +422,9 @@ def advance(
     copy_into(result, VECTOR_COUNT + FORCE_COUNT + 1, inputs[3 * FORCE_COUNT + 1 :])
     for value in result:
         good &= math.isfinite(value)
-    return good
+    if not good:
+        return NOT_FOUND
+    beyond = 0
+    for index in range(VECTOR_COUNT):
+        beyond += abs(result[index]) > limits[index]
+    return BEYOND if beyond else GOOD

@@ -6,7 +6,9 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from rail_quantities import flatten
 
+from rail_vehicle import limits
 from rail_vehicle.arrangement import wheelset_positions
 from rail_vehicle.coordinates import (
     COORDINATE_COUNT,
@@ -19,9 +21,11 @@ from rail_vehicle.coordinates import (
     Z,
 )
 from rail_vehicle.errors import StepError
-from rail_vehicle.integration import OperatorCache, contraction
+from rail_vehicle.integration import OperatorCache, contraction, element_gains
 from rail_vehicle.kernel import (
+    BEYOND,
     DAMPER_FORCES,
+    GOOD,
     PITCH_ANGLES,
     PITCH_RATES,
     POSITION,
@@ -41,6 +45,7 @@ Array = NDArray[np.float64]
 MAX_INTERNAL_STEP = 1e-3
 """Longest internal step in s; longer communication steps are divided."""
 
+_MOST_PARTS = 100_000
 _LARGEST_CONTRACTION = 0.2
 _STOP_STROKE = 0.05
 """Compression in m up to which the stops' slope is kept well within the iteration's reach."""
@@ -161,6 +166,7 @@ class VehicleModel:
                 -2.0 * parameters.static_wheel_load,
             ]
         )
+        self._limits = limits.motion_limits(parameters)
         self._signals = np.ascontiguousarray(system.signals.T)
         self._outputs = make_output_map(parameters, bodies, system)
         self.output_table: tuple[Output, ...] = self._outputs.table
@@ -176,6 +182,9 @@ class VehicleModel:
         step = MAX_INTERNAL_STEP
         while contraction(self._operators[step], slopes) > _LARGEST_CONTRACTION:
             step *= 0.5
+            if step < limits.SHORTEST_STEP:
+                gains = element_gains(self._operators[step], slopes)
+                limits.refuse_short_step(step, flatten(self.parameters), np.diag(gains))
         return step
 
     @property
@@ -206,8 +215,14 @@ class VehicleModel:
             Heights of the wheelsets, m, downwards, shape (4,).
         speed
             At which the wheels roll, m/s; the parameter's unless given.
+
+        Raises
+        ------
+        ParameterError
+            If the heights are not finite, or put a body beyond the limits of motion.
         """
         heights = np.asarray(initial_vertical_displacement, dtype=float)
+        limits.check_heights(heights)
         speed = self.parameters.speed if speed is None else float(speed)
         stiffness = self._linear.stiffness
         held = WHEELSET_COORDINATES[:, [Y, Z, ROLL, YAW]].ravel()
@@ -225,6 +240,7 @@ class VehicleModel:
         leading = wheelset_positions(self.parameters)[0]
         vector[POSITION] = self.parameters.initial_position - leading
         vector[SPEED] = speed
+        limits.check_start(vector, self._limits, heights)
         return VehicleState(vector)
 
     def outputs(
@@ -287,7 +303,8 @@ class VehicleModel:
         Raises
         ------
         StepError
-            If the step is not positive, or the state is no longer finite.
+            If the step is not positive, the state is no longer finite, or a body is beyond
+            the limits of motion: 5 m or 1 rad from where it rests.
         """
         forces = np.zeros((3, 24))
         forces[0], forces[1] = _flat(force_start), _flat(force_end)
@@ -327,11 +344,9 @@ class VehicleModel:
         StepError
             As :meth:`step`; ``vector`` and ``outputs`` are then unchanged.
         """
-        if not 0.0 < dt < math.inf:
-            raise StepError(f"step size {dt!r} s: must be positive and finite")
+        count = self._count(dt)
         acceleration = self._acceleration(float(vector[SPEED]), speed_setpoint, dt)
-        count = max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
-        good = advance(
+        found = advance(
             vector,
             forces,
             acceleration,
@@ -340,20 +355,39 @@ class VehicleModel:
             *self._operators[dt / count],
             self._constants,
             self._law,
+            self._limits,
             result,
         )
-        if not good:
-            raise StepError(
-                f"the vehicle's motion could not be found at position {vector[POSITION]:.3f} m: "
-                "the contact forces are not finite or drive the suspensions beyond all bounds; "
-                "try a smaller communication step"
-            )
+        if found != GOOD:
+            raise StepError(self._why(found, vector, result))
         self._outputs.write(result, outputs)
+
+    def _count(self, dt: float) -> int:
+        """Return the number of internal steps in a step of ``dt`` s."""
+        if not 0.0 < dt <= _MOST_PARTS * self.internal_step:
+            raise StepError(
+                f"step size {dt!r} s: must be positive and finite, and at most "
+                f"{_MOST_PARTS * self.internal_step:g} s, {_MOST_PARTS} internal steps"
+            )
+        return max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
+
+    def _why(self, found: int, vector: Array, result: Array) -> str:
+        place = f"at position {vector[POSITION]:.3f} m"
+        if found == BEYOND:
+            return (
+                f"{limits.beyond(result, self._limits)}, {place}: the contact forces drive the "
+                "vehicle off its track, or the coupling diverges; look at what gives these forces, "
+                "or try a smaller communication step"
+            )
+        return (
+            f"the vehicle's motion could not be found {place}: "
+            "the contact forces are not finite or drive the suspensions beyond all bounds; "
+            "try a smaller communication step"
+        )
 
     def _acceleration(self, speed: float, setpoint: float | None, dt: float) -> float:
         if setpoint is None:
             return 0.0
-        if not math.isfinite(setpoint):
-            raise StepError(f"speed_setpoint = {setpoint!r} m/s: must be finite")
+        limits.check_setpoint(setpoint)
         limit = self.parameters.speed_constraint.acceleration_limit
         return min(max((setpoint - speed) / dt, -limit), limit)

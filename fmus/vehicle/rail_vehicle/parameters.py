@@ -29,10 +29,23 @@ _TABLE_2 = "Table 2 of the article"
 _ASSUMED = "engineering assumption"
 
 
+LARGEST_DISPLACEMENT = 5.0
+"""How far a body may be from where it rests, m: all gauges, clearances and heights of flanges are
+less, and what is farther is no longer a vehicle on a track."""
+
+_LARGEST_LENGTH = 10.0
+"""No part of a vehicle is farther from the middle of its body, m."""
+
+
 def _field(default: float, unit: str, description: str, **more: object) -> float:
-    """Declare a quantity that must be positive unless another limit is given."""
+    """Declare a quantity that must be positive, and no longer than a part of a vehicle can be.
+
+    Other limits replace these.
+    """
     if not {"above", "at_least"} & more.keys():
         more["above"] = 0.0
+    if unit == "m":
+        more.setdefault("at_most", _LARGEST_LENGTH)
     return quantity(default, unit, description, **more)
 
 
@@ -72,7 +85,12 @@ class CarBody(ParameterSet):
         source=f"{_ASSUMED}: level with platforms of 1.25 m",
     )
     half_bogie_spacing: float = _field(
-        8.9, "m", "Half the distance between the bogie centres", symbol="L_c", source=_TABLE_2
+        8.9,
+        "m",
+        "Half the distance between the bogie centres",
+        at_most=50.0,
+        symbol="L_c",
+        source=_TABLE_2,
     )
 
 
@@ -404,6 +422,8 @@ class VehicleParameters(ParameterSet):
         0.0,
         "m",
         "Lateral displacement of the whole vehicle at the start, without deforming it",
+        at_least=-LARGEST_DISPLACEMENT,
+        at_most=LARGEST_DISPLACEMENT,
         symbol="y_0",
         nominal=5e-3,
     )

@@ -11,7 +11,7 @@ from rail_vehicle import errors
 from rail_vehicle.coupling import INPUT_TIMES, ForceHistory, ForceMemory
 from rail_vehicle.kernel import RESULT_COUNT, VECTOR_COUNT
 from rail_vehicle.model import VehicleModel, VehicleState
-from rail_vehicle.parameters import VehicleParameters
+from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
 from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
 
 CONTACT = (
@@ -136,7 +136,7 @@ class VehicleSlave(RailSlave):
                 self._vector, forces, step_size, self._wanted_speed(), self._next, self._outputs
             )
         except errors.StepError as error:
-            raise StepError(str(error)) from error
+            raise StepError(f"t = {time + step_size:.9g} s: {error}") from error
         self._vector, self._next = self._next, self._vector
         self._last_step = step_size
 
@@ -191,6 +191,8 @@ def _height_parameters() -> list[Variable]:
             name,
             causality="parameter",
             unit="m",
+            minimum=-LARGEST_DISPLACEMENT,
+            maximum=LARGEST_DISPLACEMENT,
             description="Height of the wheelset at the start, downwards from the datum",
         )
         for name in _HEIGHTS
