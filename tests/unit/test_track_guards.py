@@ -135,3 +135,28 @@ def test_speed_may_go_through_zero_and_backwards(model):
     assert (made, why) == (400, "")
     assert np.isfinite(forces).all()
     assert forces.mean() == pytest.approx(69e3, rel=0.05)
+
+
+SOFT = {"rail.vertical_second_moment": 3.2e-11, "rail.vertical_shear_coefficient": 5.3e-7}
+
+
+@pytest.mark.parametrize("name", SOFT)
+def test_rails_that_carry_nothing_are_refused_at_the_start(name):
+    """They sink by some 30 m, and a wheel would fly over the ditch with forces of zero."""
+    model = TrackModel(with_values(TrackParameters(), {**SMALL, name: SOFT[name]}))
+    row = np.zeros((1, 11))
+    row[0, 0] = model.default_positions()[0]
+    with pytest.raises(TrackError, match=r"static_wheel_load = .* N the rails move by [23]\d"):
+        model.initial_state(row)
+
+
+@pytest.mark.parametrize("contact", ["profiles", "vertical"])
+def test_rails_that_are_no_number_do_not_pass_for_no_contact(contact):
+    """No comparison is true for them, so a wheel seems to hang in the air."""
+    model = TrackModel(with_values(TrackParameters(), {**SMALL, "contact.model": contact}))
+    row = np.zeros((1, 11))
+    row[0, 0], row[0, 5], row[0, 10] = model.default_positions()[0], SPEED, -SPEED / RADIUS
+    state = model.initial_state(row)
+    state.symmetric.rail[0, 0, 3] = np.nan
+    with pytest.raises(TrackError, match="at t = 0 s, wheelset 1 at"):
+        model.step(state, row, STEP)

@@ -28,6 +28,10 @@ _DIFFERENCE = 1e-8
 _SEARCH_LIMIT = 0.05
 """Farthest that a wheelset's height is searched, m."""
 
+_DEEPEST = 1.0
+"""Farthest that rails may move under the static load, m: the equations are those of small
+deflections, and ballast gives way by some millimetres."""
+
 _FIRST_APPROACH = 7e-5
 """Guess of the penetration under the static load, m."""
 
@@ -226,6 +230,31 @@ def profile_equilibrium(
         f"{np.max(np.abs(error)):g} m; check static_wheel_load, the profiles and the wheelsets' "
         "lateral displacements"
     )
+
+
+def check_sinking(motion: np.ndarray, load: float) -> None:
+    """Refuse rails that carry the load nowhere near where they lie without it.
+
+    Parameters
+    ----------
+    motion
+        Of the rails' axes under the wheels, (w, 2, 6), m and rad.
+    load
+        Of a wheel, N.
+
+    Raises
+    ------
+    TrackError
+        If they do.
+    """
+    deepest = float(np.max(np.abs(motion[..., :2]), initial=0.0))
+    if not deepest <= _DEEPEST:
+        raise TrackError(
+            f"under static_wheel_load = {load:g} N the rails move by {deepest:.3g} m, more than "
+            f"{_DEEPEST:g} m: such a track carries no vehicle; raise rail.vertical_second_moment, "
+            "rail.vertical_shear_coefficient, fastener.vertical_stiffness or "
+            "slab_support.vertical_stiffness, or lower the load"
+        )
 
 
 class _RestingWheelset:

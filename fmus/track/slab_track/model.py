@@ -19,6 +19,7 @@ from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT
 from slab_track.equilibrium import (
     RailsAtRest,
+    check_sinking,
     contact_at,
     level_contact,
     profile_equilibrium,
@@ -294,6 +295,7 @@ class TrackModel:
         if p.static_wheel_load > 0.0:
             heights, force = self._equilibrium(rest, motion, offsets)
         rails = rest(force)
+        check_sinking(rails.motion, p.static_wheel_load)
         state = TrackState(self.layout, np.zeros(self.layout.size)).replace(
             time=time,
             symmetric=self._field(SYMMETRIC, rails.vertical[0]),
