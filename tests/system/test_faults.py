@@ -45,12 +45,13 @@ def damage(path):
     path.write_bytes(content[: len(content) // 2])
 
 
-@pytest.mark.parametrize("what", ["built", "extracted", "arrays"])
+@pytest.mark.parametrize("what", ["built", "extracted", "arrays", "kernels"])
 def test_damaged_caches_are_made_anew_and_the_result_is_the_same(own, reference, tmp_path, what):
     names = {
         "built": "built/*/InfiniteSlabTrack.fmu",
         "extracted": "extracted/*/resources/*.py",
         "arrays": "arrays/*/*.npy",
+        "kernels": "packages/*/rail_vehicle/__pycache__/*.nb[ci]",
     }
     files = list(own.cache.glob(names[what]))
     assert files

@@ -11,6 +11,7 @@ from typing import Any
 
 import numba
 from numba.core.compiler import Compiler
+from rail_quantities.kept_code import with_checksums
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Fused, reordered and scaled operations: rounding errors only."""
@@ -31,14 +32,14 @@ _STREAM: dict[str, Any] = {**_KERNEL, "fastmath": FAST, "pipeline_class": _Apart
 
 def entry(function: Callable[..., Any]) -> Any:
     """Compile a function that Python calls; division by zero gives infinity."""
-    return numba.njit(**_ENTRY)(function)
+    return with_checksums(numba.njit(**_ENTRY)(function))
 
 
 def kernel(function: Callable[..., Any]) -> Any:
     """Compile a function that only compiled functions call; from Python it would crash."""
-    return numba.njit(**_KERNEL)(function)
+    return with_checksums(numba.njit(**_KERNEL)(function))
 
 
 def stream(function: Callable[..., Any]) -> Any:
     """As :func:`kernel`, for loops over arrays that do not overlap."""
-    return numba.njit(**_STREAM)(function)
+    return with_checksums(numba.njit(**_STREAM)(function))

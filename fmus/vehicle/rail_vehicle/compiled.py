@@ -4,12 +4,21 @@ Numba wraps functions for calls from C and from Python, at half the time that it
 them: none for C, and none at all for kernels, which would crash if Python called them.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 from numba import njit
+from rail_quantities.kept_code import with_checksums
 
 _ENTRY: dict[str, Any] = {"cache": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 _KERNEL: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
 
-entry = njit(**_ENTRY)
-kernel = njit(**_KERNEL)
+
+def entry(function: Callable[..., Any]) -> Any:
+    """Compile a function that Python calls; division by zero gives infinity."""
+    return with_checksums(njit(**_ENTRY)(function))
+
+
+def kernel(function: Callable[..., Any]) -> Any:
+    """Compile a function that only compiled functions call; from Python it would crash."""
+    return with_checksums(njit(**_KERNEL)(function))
