@@ -11,7 +11,13 @@ from pathlib import Path
 import xarray as xr
 
 from rail_cosim.algorithms import GaussSeidel, make_algorithm
-from rail_cosim.animation import Film, check_animation, check_track, write_animation
+from rail_cosim.animation import (
+    PROFILES_WANTED,
+    Film,
+    check_animation,
+    check_track,
+    write_animation,
+)
 from rail_cosim.attributes import (
     changed_attribute,
     ended_by,
@@ -192,6 +198,8 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
     if options.animate:
         check_track(descriptions["track"].variables, descriptions["track"].path.name)
         film = Film(options.slow_motion)
+        if PROFILES_WANTED in descriptions["track"].variables:
+            parameters["track"][PROFILES_WANTED] = True
     dataset, outcome = simulate(options, descriptions, parameters, reporter, changed, film)
     if film is not None and options.animate:
         write_animation(film, options.animate, reporter, exaggeration=options.exaggeration)

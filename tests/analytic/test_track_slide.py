@@ -95,7 +95,7 @@ def test_constrained_slide_keeps_the_rails_under_the_wheels():
         state = model.with_motion(model.initial_state(row), row)
         state.symmetric.rail[:] = random.normal(size=state.symmetric.rail.shape)
         state.rails[:] = random.normal(size=state.rails.shape)
-        moved, places = model._slide_once(state), row[:, 0] - state.window_start
+        moved, places = model.stepper.slide_once(state), row[:, 0] - state.window_start
         errors = []
         for weight, before, after in (
             (model.linear.participation, state.symmetric.rail, moved.symmetric.rail),
@@ -140,7 +140,7 @@ def _statics_error(parameters):
     state = model.initial_state(row)
     state = model.with_motion(state, row)
     places = row[:, 0] - state.window_start
-    moved = model._slide_once(state)
+    moved = model.stepper.slide_once(state)
     force = np.sqrt(2.0) * np.full(4, LOAD)
     there = static_coordinates(model.linear, places - parameters.pitch, force, 0)
     here = static_coordinates(model.linear, places, force, 0)

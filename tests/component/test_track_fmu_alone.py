@@ -141,13 +141,22 @@ def test_profiles_are_there_when_read(fmus):
         50,
         input=rolling_inputs(50),
         output=[under, *profile, slab],
-        start_values={},
+        start_values={"rail_profile.enabled": True},
     )
     assert result[profile[0]] == pytest.approx(result[under], rel=2e-3)
     assert np.ptp(result[profile[0]][1:]) > 1e-6  # it follows the steps
     assert np.abs(result[profile[2]]).max() < 0.1 * result[under].max()  # 6 m ahead
     assert (result[slab] > 1e-6).all()
     assert (result[slab] < result[under]).all()
+
+
+def test_profiles_cost_nothing_unless_wanted(fmus):
+    """Tools that read all variables at every step must not wait for them."""
+    point = "rail_profile.left.vertical_displacement[25]"
+    result = fmus.call(
+        simulate, fmus.track, STEP, 3, input=rolling_inputs(3), output=[point], start_values={}
+    )
+    assert (result[point] == 0.0).all()
 
 
 def test_forces_on_the_rails_are_those_on_the_wheelsets_turned_round(fmus):

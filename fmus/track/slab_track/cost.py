@@ -59,7 +59,7 @@ def step_cost(
     """
     model = TrackModel(parameters)
     state, motion = _run(model, speed, step)
-    operator, steps, _ = model._operator(step)
+    operator, steps, _ = model.stepper.operator(step)
     new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
 
     begin(operator, state.vector, new, motion, state.time, False, 0)
@@ -76,7 +76,7 @@ def step_cost(
     parts["rails"] = moving - touching - parts["slabs"]
     parts["forces"] = touching - parts["contact_geometry"] - parts["fastsim"]
     whole = steps * _repeated(lambda: model.step(state, motion, step))
-    each = _once(lambda: model._slide_once(state)) if parameters.moves else 0.0
+    each = _once(lambda: model.stepper.slide_once(state)) if parameters.moves else 0.0
     between = parameters.slide_length / (speed * step)
     parts = {name: steps * value for name, value in parts.items()}
     parts["python"] = whole - sum(parts.values())

@@ -252,3 +252,5 @@ def answer(wheels, axis_depth, out):
             out[5, wheel, side] = rail[1]
             out[6, wheel, side] = rail[0] + axis_depth * rail[2]
             out[7, wheel, side] = rail[2]
+            out[8, wheel, side] = wheels.rail_force[wheel, side, 0]
+            out[9, wheel, side] = wheels.rail_force[wheel, side, 1]

@@ -6,17 +6,12 @@
 """
 
 import contextlib
-import functools
-import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.contact import Steel, build_tables
-from slab_track.contact.fastsim import fastsim_grid
-from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT
 from slab_track.equilibrium import (
     RailsAtRest,
     check_sinking,
@@ -28,127 +23,16 @@ from slab_track.equilibrium import (
     vertical_at_rest,
 )
 from slab_track.errors import TrackError
-from slab_track.halves import half_size
-from slab_track.interaction import APPLIED, PROFILES, VERTICAL, Interaction, Wheels, answer
+from slab_track.interaction import APPLIED, PROFILES, VERTICAL, Wheels, answer
 from slab_track.irregularity import Irregularity
 from slab_track.lateral import LateralTrack, assemble_lateral
-from slab_track.lateral_step import lateral_constants
-from slab_track.motion import extrapolate
+from slab_track.outputs import TrackOutputs
 from slab_track.parameters import WHEELSET_PLACES, TrackParameters
-from slab_track.slide import SlideOperator, slide_operator
-from slab_track.state import (
-    MOTION_BEFORE,
-    MOTION_NOW,
-    POINT_TIME,
-    PREVIOUS_TIME,
-    RATES_SEEN,
-    ROW,
-    TIME,
-    FieldState,
-    StateLayout,
-    TrackState,
-    WheelState,
-    begin_motion,
-)
+from slab_track.slide import SlideOperator
+from slab_track.state import FieldState, StateLayout, TrackState, WheelState, begin_motion
 from slab_track.statics import StaticSolution
-from slab_track.stepping import (
-    GOOD,
-    NEAR_THE_END,
-    NOT_FINITE,
-    SLIDE_DUE,
-    Scratch,
-    Settings,
-    TrackOperator,
-    WindowLimits,
-    begin,
-    finish,
-    pack,
-)
-from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
-from slab_track.window import END_MARGIN, near_the_end, place_window, slide_fields
-
-_DERAILED = (
-    f"a wheel left its rail: its lateral displacement or roll is beyond {LATERAL_LIMIT * 1e3:g} mm "
-    f"or {ROLL_LIMIT * 1e3:g} mrad from the rail's own (derailment)"
-)
-_NO_FORCE = (
-    "the contact forces were not found; reduce integration.maximum_step or the communication "
-    "step, and check that the wheelset motion is smooth"
-)
-_NEARLY = 0.8
-"""Part of the contact tables' limits at which a failed step counts as a derailment."""
-
-
-class TrackOutputs(NamedTuple):
-    """What the track answers; arrays of wheels have shape (wheelsets, 2), left first.
-
-    Attributes
-    ----------
-    state
-        The state that answers; nothing is computed before it is asked for.
-    contact
-        Contact forces and moments on the wheelsets, shape (wheelsets, 6), N and N.m.
-    answers
-        All of the following, (8, wheelsets, 2), as in :class:`TrackState`.
-    normal_force, longitudinal_creep_force, lateral_creep_force
-        Sums over the patches of a wheel, N.
-    penetration, contact_angle
-        Of the patch that carries most, m and rad.
-    rail_deflection, rail_lateral, rail_roll
-        Of the rail's axis vertically, of its head laterally (m), and its rotation (rad).
-    """
-
-    state: TrackState
-
-    @property
-    def contact(self) -> np.ndarray:
-        """Contact forces and moments on the wheelsets, N and N.m, (wheelsets, 6)."""
-        return self.state.contact
-
-    @property
-    def answers(self) -> np.ndarray:
-        """All of the following, (8, wheelsets, 2), as in :class:`TrackState`."""
-        return self.state.answers
-
-    @property
-    def normal_force(self) -> np.ndarray:
-        """Normal force of each wheel, N, (wheelsets, 2); positive in compression."""
-        return self.answers[0]
-
-    @property
-    def longitudinal_creep_force(self) -> np.ndarray:
-        """Longitudinal creep force of each wheel, N, (wheelsets, 2)."""
-        return self.answers[1]
-
-    @property
-    def lateral_creep_force(self) -> np.ndarray:
-        """Lateral creep force of each wheel, N, (wheelsets, 2)."""
-        return self.answers[2]
-
-    @property
-    def penetration(self) -> np.ndarray:
-        """Penetration of the patch that carries most, m, (wheelsets, 2)."""
-        return self.answers[3]
-
-    @property
-    def contact_angle(self) -> np.ndarray:
-        """Contact angle of the patch that carries most, rad, (wheelsets, 2)."""
-        return self.answers[4]
-
-    @property
-    def rail_deflection(self) -> np.ndarray:
-        """Deflection of the rail's axis under each wheel, m, (wheelsets, 2)."""
-        return self.answers[5]
-
-    @property
-    def rail_lateral(self) -> np.ndarray:
-        """Lateral displacement of the rail's head under each wheel, m, (wheelsets, 2)."""
-        return self.answers[6]
-
-    @property
-    def rail_roll(self) -> np.ndarray:
-        """Rotation of the rail under each wheel, rad, (wheelsets, 2)."""
-        return self.answers[7]
+from slab_track.stepper import Stepper
+from slab_track.window import END_MARGIN, place_window
 
 
 class TrackModel:
@@ -174,7 +58,6 @@ class TrackModel:
         self.interface = PROFILES if p.contact.model == "profiles" else VERTICAL
         if p.interface == "applied_force":
             self.interface = APPLIED
-        self._lateral_motion = p.rail.motion == "full"
         self.layout = StateLayout(
             wheelsets=p.wheelset_count,
             waves=self.linear.rail.wave_number.size,
@@ -182,67 +65,20 @@ class TrackModel:
             slabs=self.linear.slab_count,
             slab_modes=[slab.omega_squared.size for slab in self.linear.slabs],
         )
-        self._no_force = np.zeros((p.wheelset_count, 2, 3))
-        self._operator = functools.lru_cache(maxsize=8)(self._make_operator)
-        # Looked up at every step.
-        self._longest_step = p.integration.maximum_step
-
-    def _make_operator(self, duration: float) -> tuple[TrackOperator, int, float]:
-        """Return operator, number and length (s) of the internal steps of a communication step."""
-        steps = max(1, math.ceil(duration / self._longest_step - 1e-9))
-        step, p = duration / steps, self.parameters
-        waves, count = self.linear.rail.wave_number.size, p.wheelset_count
-        half = half_size(self.linear.fastener_count)
-        operator = pack(
-            rail_operator(self.linear, step),
-            class_operator(self.linear, step, SYMMETRIC),
-            class_operator(self.linear, step, ANTISYMMETRIC),
-            lateral_constants(self.lateral, step),
-            self.contact,
-            fastsim_grid(p.contact.fastsim_columns, p.contact.fastsim_strips),
-            self.irregularity.data,
-            Settings(
-                interface=self.interface,
-                moves_sideways=self._rails_move_sideways,
-                hertz_constant=p.contact.hertz_constant_used,
-                half_distance=self.half_distance,
-                axis_depth=p.rail.axis_depth,
-                step=step,
-            ),
-            self._limits,
-            self.layout.starts,
-            Scratch.empty(steps, count, waves, half),
-            WheelCoupling.empty(count, half),
-            FreeStep.empty(count, half),
-            FreeStep.empty(count, half),
-            Interaction.empty(count),
+        self.stepper = Stepper(
+            p,
+            linear=self.linear,
+            lateral=self.lateral,
+            contact=self.contact,
+            irregularity=self.irregularity,
+            layout=self.layout,
+            interface=self.interface,
         )
-        return operator, steps, step
 
     @property
-    def _limits(self) -> WindowLimits:
-        p = self.parameters
-        standing = p.window.method == "moving_irregularity"
-        middle = 0.5 * (p.window_length + p.slide_length) + p.window.vehicle_offset
-        return WindowLimits(
-            slides_at=middle if p.moves else math.inf,
-            margin=-math.inf if standing else END_MARGIN,
-            length=p.window_length,
-            standing=standing,
-        )
-
-    @functools.cached_property
     def slide(self) -> SlideOperator:
         """Operator of a slide."""
-        p = self.parameters
-        return slide_operator(
-            self.linear.rail,
-            length=p.window_length,
-            shift=p.slide_length,
-            sample_count=p.sample_count,
-            solver=p.window.slide_solver,
-            taper=p.window.rear_taper,
-        )
+        return self.stepper.slide
 
     def prepare(self, state: TrackState) -> None:
         """Compute and compile now what the first step from ``state`` and the first slide would."""
@@ -253,7 +89,7 @@ class TrackModel:
                 state,
                 state.motion,
                 self.parameters.integration.maximum_step,
-                applied_force=self._no_force,
+                applied_force=np.zeros((self.parameters.wheelset_count, 2, 3)),
             )
 
     # -- start ---------------------------------------------------------------
@@ -282,8 +118,8 @@ class TrackModel:
         """
         p, count = self.parameters, self.parameters.wheelset_count
         start = place_window(p, motion[:, 0])
-        offsets = self._offsets(motion[None, :, 0])[0]
-        lateral = self.lateral if self._rails_move_sideways else None
+        offsets = self.irregularity.evaluate(motion[:, 0])[0]
+        lateral = self.lateral if self.stepper.moves_sideways else None
 
         places = motion[:, 0] - start
         vertical = vertical_at_rest(self.linear, places)
@@ -341,10 +177,6 @@ class TrackModel:
             raise TrackError(f"a state of this track has {self.layout.size} numbers")
         return TrackState(self.layout, vector)
 
-    @property
-    def _rails_move_sideways(self) -> bool:
-        return self._lateral_motion and self.interface != VERTICAL
-
     def _touch(self, rows: np.ndarray, rails: np.ndarray, offsets: np.ndarray) -> WheelState:
         """Contact on given rails; heights count from first touch."""
         if self.parameters.contact.model == "vertical":
@@ -374,7 +206,9 @@ class TrackModel:
         if self.interface != APPLIED:
             rows = motion.copy()
             rows[:, 2] += state.datum
-            wheels = self._touch(rows, state.wheels.rail, self._offsets(motion[None, :, 0])[0])
+            wheels = self._touch(
+                rows, state.wheels.rail, self.irregularity.evaluate(motion[:, 0])[0]
+            )
         changed = state.replace(wheels=wheels)
         begin_motion(changed, state.time, motion)
         self._answer(changed)
@@ -383,11 +217,6 @@ class TrackModel:
     def _answer(self, state: TrackState) -> None:
         """Fill in what happens at the wheels of a new state."""
         answer(Wheels(*state.wheels), self.parameters.rail.axis_depth, state.answers)
-
-    def _offsets(self, x: np.ndarray) -> np.ndarray:
-        """Irregularity at positions (steps, wheelsets) on the line, (steps, wheelsets, 2, 2)."""
-        offsets, _ = self.irregularity.evaluate(x.ravel())
-        return offsets.reshape(*x.shape, 2, 2)
 
     # -- running ---------------------------------------------------------------
 
@@ -419,97 +248,14 @@ class TrackModel:
         Raises
         ------
         TrackError
-            If a wheel leaves the window or the rail, or the motion is not finite.
+            If a wheel leaves the window or the rail, or the motion is not finite or jumps.
         """
-        start = state.time
-        operator, steps, step = self._operator(dt)
-        applied = self._no_force
-        if self.interface == APPLIED:
-            applied = self._on_axis(applied_force)
-        new, instant = np.empty(self.layout.size), start + dt if at_end else start
-        found = begin(operator, state.vector, new, motion, instant, True, 0)
-        if found == SLIDE_DUE:
-            state = self._slide_along(state, self._path(new, steps, step))
-            found = begin(operator, state.vector, new, motion, instant, False, 0)
-        if found == GOOD:
-            found = finish(operator, state.vector, new, applied, 0)
-        for turn in range(1, steps if found == GOOD else 0):
-            old = new.copy()
-            begin(operator, old, new, motion, instant, False, turn)
-            found = finish(operator, old, new, applied, turn)
-            if found != GOOD:
-                break
-        if found != GOOD:
-            raise TrackError(self._why(found, new, steps, step))
-        new[TIME] = start + dt
+        new = np.empty(self.layout.size)
+        self.stepper.step_into(
+            state.vector, new, motion, dt, at_end=at_end, applied_force=applied_force
+        )
         state = TrackState(self.layout, new)
         return state, TrackOutputs(state)
-
-    def _path(self, vector: np.ndarray, steps: int, step: float) -> np.ndarray:
-        """Motion at the end of each internal step, (steps, wheelsets, 11)."""
-        view, time = self.layout.view, vector[[TIME, POINT_TIME, PREVIOUS_TIME]]
-        points = view(vector, MOTION_NOW), view(vector, MOTION_BEFORE), view(vector, RATES_SEEN)
-        path = np.empty((steps, *points[0].shape))
-        for n in range(steps):
-            tau = time[0] - time[1] + step * (n + 1)
-            extrapolate(tau, time[1] - time[2], *points, path[n])
-        return path
-
-    def _slide_along(self, state: TrackState, path: np.ndarray) -> TrackState:
-        """Slide the window until the wheels keep their margins at the end of a path."""
-        target = place_window(self.parameters, path[-1, :, 0])
-        if not target - state.window_start < self.parameters.window_length:
-            raise TrackError(
-                f"at t = {state.time:g} s the wheels jump to {path[-1, :, 0].max():g} m, beyond "
-                f"the window ({state.window_start:g} m to "
-                f"{state.window_start + self.parameters.window_length:g} m) in a single step; "
-                "check longitudinal_position and longitudinal_velocity of the wheelsets"
-            )
-        while target > state.window_start + 0.5 * self.parameters.slide_length:
-            state = self._slide_once(state)
-        return state
-
-    def _slide_once(self, state: TrackState) -> TrackState:
-        changes, residual = slide_fields(self.linear, self.lateral, self.slide, state)
-        return state.replace(
-            **changes,
-            window_start=state.window_start + self.parameters.slide_length,
-            slide_count=state.slide_count + 1,
-            slide_residual=residual,
-        )
-
-    def _why(self, found: int, new: np.ndarray, steps: int, step: float) -> str:
-        """Say why a step was not made that has come as far as ``new``."""
-        state = TrackState(self.layout, new)
-        if found == NOT_FINITE:
-            return f"a wheelset motion is not a finite number at t = {state.time:g} s"
-        if found == NEAR_THE_END:
-            x = self._path(new, steps, step)[:, :, 0]
-            return near_the_end(self.parameters, state.window_start, state.time, x)
-        rows, wheels = self.layout.view(new, ROW), state.wheels
-        return f"at t = {state.time - step:g} s, {self._where(rows, wheels)}"
-
-    def _where(self, rows: np.ndarray, wheels: WheelState) -> str:
-        """Say what happened where, for the error after a failed internal step."""
-        rail, offsets = wheels.rail, self._offsets(rows[None, :, 0])[0]
-        head = rail[..., 0] + self.parameters.rail.axis_depth * rail[..., 2] + offsets[..., 1]
-        shift = np.abs(rows[:, None, 1] - head) / LATERAL_LIMIT
-        turn = np.abs(rows[:, None, 3] - rail[..., 2]) / ROLL_LIMIT
-        far = np.maximum(shift, turn).max(axis=1)
-        worst = int(np.argmax(far))
-        x, y, _, roll = rows[worst, :4]
-        return (
-            f"wheelset {worst + 1} at {x:.3f} m (lateral displacement {y * 1e3:.2f} mm, roll "
-            f"{roll * 1e3:.2f} mrad): {_NO_FORCE if far[worst] < _NEARLY else _DERAILED}"
-        )
-
-    def _on_axis(self, head: np.ndarray | None) -> np.ndarray:
-        """Move forces from the rails' heads to their axes, (wheelsets, 2, 3)."""
-        if head is None:
-            raise TrackError("interface = applied_force needs the forces at the rail heads")
-        axis = np.array(head, dtype=float)
-        axis[:, :, 2] += self.parameters.rail.axis_depth * axis[:, :, 0]
-        return axis
 
     def outputs(self, state: TrackState) -> TrackOutputs:
         """Return the contact forces on the wheelsets and what happens at the wheels."""

@@ -28,6 +28,14 @@ MOTION = (
 """Columns of a motion array, shape (wheelsets, 11); SI units."""
 
 
+JUMP = 0.5
+"""By so much may way and velocity of the wheelsets differ between two points, m; more by a tenth
+of the way."""
+
+DEEPEST = 0.3
+"""Lowest place of a wheelset, m; rails and irregularities take it to 0.1 m at most."""
+
+
 @kernel
 def push(motion, is_new, now, before, rates_seen):
     """Take in a communication point; False if a number of it is not finite.
@@ -49,6 +57,30 @@ def push(motion, is_new, now, before, rates_seen):
             if motion[wheelset, channel + 5] != 0.0:
                 rates_seen[channel] = 1.0
     return finite
+
+
+@kernel
+def is_too_deep(motion):
+    """Whether a wheelset is inside its rails."""
+    lowest = motion[0, 2]
+    for wheelset in range(1, motion.shape[0]):
+        lowest = max(lowest, motion[wheelset, 2])
+    return lowest > DEEPEST
+
+
+@kernel
+def jumps(motion, before, elapsed):
+    """Whether positions do not follow from the velocities since the point ``before``.
+
+    Means over the wheelsets are compared. A partner that gives no velocities is not asked.
+    """
+    count, way, speed, earlier = motion.shape[0], 0.0, 0.0, 0.0
+    for wheelset in range(count):
+        way += (motion[wheelset, 0] - before[wheelset, 0]) / count
+        speed += motion[wheelset, 5] / count
+        earlier += before[wheelset, 5] / count
+    expected = 0.5 * (speed + earlier) * elapsed
+    return speed != 0.0 and not abs(way - expected) <= JUMP + 0.1 * abs(expected)
 
 
 @entry

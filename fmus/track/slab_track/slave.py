@@ -1,5 +1,6 @@
 """The track as an FMI slave: a thin mapping between variables and the model."""
 
+import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -9,32 +10,18 @@ from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
-from slab_track.model import TrackModel
+from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.profile import TrackProfile
-from slab_track.state import (
-    ANSWER,
-    RAIL_FORCE,
-    SLIDE_COUNT,
-    SLIDE_RESIDUAL,
-    WHEELSET,
-    WINDOW_START,
-    pick,
-)
+from slab_track.state import ANSWER, SLIDE_COUNT, SLIDE_RESIDUAL, TIME, WHEELSET, WINDOW_START
 
 LEVEL_CONTACT = (
     "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
     "are zero; contact.model = profiles has wheel and rail profiles, creep forces, lateral motion "
     "and torsion of the rails"
 )
-
-_JUMP = 0.5
-"""By so much may way and velocity differ in a step, m."""
-
-_DEEPEST = 0.3
-"""Lowest place of a wheelset, m; rails and irregularities take it to 0.1 m at most."""
 
 _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_wheel_load")
 
@@ -69,13 +56,19 @@ class TrackSlave(RailSlave):
             self._model, self._profile = TrackModel(parameters), None
             self._find_places(parameters.wheelset_count)
         self._at_end = self.values[names.INPUT_TIME] == "step_end"
+        self._is_driven = parameters.interface == "applied_force"
+        self._shows_profiles = self.values[names.PROFILES_WANTED]
         try:
-            self._state = self._model.initial_state(self._motion(), self.time)
+            state = self._model.initial_state(self._motion(), self.time)
         except TrackError as error:
             raise StepError(str(error)) from error
-        self.reals[self._heights] = self._state.static_heights
-        self._way: tuple[float, float, float] | None = None
-        self._observed = None
+        self.reals[self._heights] = state.static_heights
+        self._take(state)
+
+    def _take(self, state: TrackState) -> None:
+        """Go on from a state; steps go from one of two arrays to the other in turn."""
+        self._vector, self._next = state.vector, np.empty(state.vector.size)
+        self._observed, self._slides = math.nan, -1
         self._publish()
 
     def start(self) -> None:
@@ -85,10 +78,11 @@ class TrackSlave(RailSlave):
             self.info(LEVEL_CONTACT)
         for remark in self._model.irregularity.remarks:
             self.warn(remark)
-        self._model.prepare(self._state)
+        self._model.prepare(self._model.state_of(self._vector))
 
     def _find_places(self, count: int) -> None:
-        self._inputs = self.slice_of(*names.motion_names(count))
+        inputs = self.reals[self.slice_of(*names.motion_names(count))]
+        self._inputs = inputs.reshape(-1, len(MOTION))
         self._applied = np.array(
             [
                 self.indices(names.rail_head_names(name, count))
@@ -97,23 +91,12 @@ class TrackSlave(RailSlave):
         )
         of_wheels = [name for kind in names.WHEEL for name in names.wheel_names(kind, count)]
         places = self._model.layout.places
-        self._from = np.concatenate(
-            [
-                places(WHEELSET).ravel(),
-                places(ANSWER).ravel(),
-                places(RAIL_FORCE)[:, :, :2].ravel(),
-                [WINDOW_START, SLIDE_RESIDUAL],
-            ]
-        )
-        self._to = self.indices(
-            [
-                *names.contact_names(count),
-                *of_wheels,
-                *names.on_rail_names(count),
-                "window.start_position",
-                "window.slide_residual",
-            ]
-        )
+        source = np.concatenate([places(part).ravel() for part in (WHEELSET, ANSWER)])
+        target = self.indices([*names.contact_names(count), *of_wheels])
+        self._runs = [
+            (self.reals[first], of) for first, of in zip(*_runs(target, source), strict=True)
+        ]
+        self._window = self.indices(["window.start_position", "window.slide_residual"])
         self._heights = self.slice_of(
             *(f"wheelset[{i}].static_vertical_displacement" for i in range(1, count + 1))
         )
@@ -126,82 +109,65 @@ class TrackSlave(RailSlave):
 
         Positions that nobody has set are those of the article's vehicle.
         """
-        motion = self.reals[self._inputs].reshape(-1, len(MOTION)).copy()
-        if not np.any(motion[:, 0]):
-            motion[:, 0] = self._model.default_positions()
-            self.reals[self._inputs] = motion.ravel()
-        return motion
+        if not np.any(self._inputs[:, 0]):
+            self._inputs[:, 0] = self._model.default_positions()
+        return self._inputs.copy()
 
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
-        self._check_way(time, step_size)
         applied = None
-        if self._model.parameters.interface == "applied_force":
+        if self._is_driven:
             applied = self.reals[self._applied].T.reshape(-1, 2, 3)
         try:
-            self._state, _ = self._model.step(
-                self._state,
-                self.reals[self._inputs].reshape(-1, len(MOTION)),
+            self._model.stepper.step_into(
+                self._vector,
+                self._next,
+                self._inputs,
                 step_size,
                 at_end=self._at_end,
                 applied_force=applied,
             )
         except TrackError as error:
             raise StepError(str(error)) from error
+        self._vector, self._next = self._next, self._vector
         self._publish()
 
-    def _check_way(self, time: float, step_size: float) -> None:
-        """Refuse wheels inside the rail, and positions that do not follow from the velocities.
-
-        Means over the wheelsets are compared. A partner that gives no velocities is not asked.
-        """
-        # As lists: so few numbers are not worth the calls of numpy.
-        motion = self.reals[self._inputs].tolist()
-        heights = motion[2 :: len(MOTION)]
-        if (deepest := max(heights)) > _DEEPEST:
-            raise StepError(
-                f"at t = {time:g} s wheelset {heights.index(deepest) + 1} is {deepest:g} m "
-                "below where it rests, inside the rail: its vertical_displacement has diverged"
-            )
-        x, speed = (sum(motion[i :: len(MOTION)]) / len(heights) for i in (0, 5))
-        if self._way is not None and speed != 0.0:
-            before, speed_before, elapsed = self._way
-            elapsed = step_size if self._at_end else elapsed
-            way = 0.5 * (speed + speed_before) * elapsed
-            if not abs(x - before - way) <= _JUMP + 0.1 * abs(way):
-                raise StepError(
-                    f"at t = {time:g} s the wheelsets are at {x:g} m in the mean, {x - before:g} m "
-                    f"from where they were {elapsed:g} s before, but run at {speed:g} m/s: "
-                    "longitudinal_position jumps"
-                )
-        self._way = x, speed, step_size
-
     def _publish(self) -> None:
-        vector = self._state.vector
-        pick(vector, self._from, self.reals, self._to)
-        if vector[SLIDE_COUNT] != self.values["window.slide_count"]:
-            self.values["window.slide_count"] = int(vector[SLIDE_COUNT])
+        vector = self._vector
+        for place, source in self._runs:
+            place[:] = vector[source]
+        if vector[SLIDE_COUNT] != self._slides:
+            self._slides = self.values["window.slide_count"] = int(vector[SLIDE_COUNT])
+            self.reals[self._window] = vector[[WINDOW_START, SLIDE_RESIDUAL]]
 
     def observe(self) -> None:
         """Write the profiles of rails and slabs."""
-        if self._observed is self._state:
+        if not self._shows_profiles or self._observed == self._vector[TIME]:
             return
         if self._profile is None:
             self._profile = TrackProfile(self._model.parameters, self._model.linear)
         first, spacing = self.values[names.FIRST_OFFSET], self.values[names.SPACING]
         offsets = first - spacing * np.arange(names.PROFILE_POINTS)
-        shapes = [of(self._state, offsets) for of in (self._profile.rails, self._profile.slabs)]
+        state = self._model.state_of(self._vector)
+        shapes = [of(state, offsets) for of in (self._profile.rails, self._profile.slabs)]
         self.reals[self._profiles] = np.ravel(shapes)
-        self._observed = self._state
+        self._observed = self._vector[TIME]
 
     def save(self) -> dict[str, Any]:
         """Return the state of the track."""
-        return {"vector": self._state.vector}
+        return {"vector": self._vector}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
-        self._state = self._model.state_of(state["vector"])
-        self._way = None
+        self._take(self._model.state_of(state["vector"]))
+
+
+def _runs(target: np.ndarray, source: np.ndarray) -> tuple[list[slice], list[slice]]:
+    """Return slices of both arrays of places, (n,), as long as both are consecutive."""
+    ends = np.flatnonzero((np.diff(target) != 1) | (np.diff(source) != 1)) + 1
+    parts = [np.split(places, ends) for places in (target, source)]
+    first, second = ([slice(int(p[0]), int(p[-1]) + 1) for p in part] for part in parts)
+    return first, second
 
 
 def _inputs() -> list[Variable]:
@@ -243,6 +209,13 @@ def _settings() -> list[Variable]:
         ),
         KEEP_FIRST_INPUTS,
         Variable(
+            names.PROFILES_WANTED,
+            kind="boolean",
+            causality="parameter",
+            description="Whether the profiles of rails and slabs are computed when they are read, "
+            "20 ms each time; otherwise they stay 0",
+        ),
+        Variable(
             names.FIRST_OFFSET,
             causality="parameter",
             unit="m",
@@ -262,14 +235,15 @@ def _settings() -> list[Variable]:
 
 
 def _profiles() -> list[Variable]:
-    """Return the shapes of rails and slabs along the vehicle; computed when read."""
+    """Return the shapes of rails and slabs along the vehicle; computed when read, if wanted."""
     return [
         Variable(
             name,
             causality="local",
             unit="m",
             description=f"{meaning.format(side=name.split('.')[1]).capitalize()}; at the first "
-            "offset less the number of the point less one times the spacing",
+            "offset less the number of the point less one times the spacing; 0 "
+            f"unless {names.PROFILES_WANTED}",
         )
         for group, meaning in names.PROFILES.items()
         for name in names.profile_names(group)
@@ -295,14 +269,6 @@ def _outputs() -> list[Variable]:
         for name, (unit, description) in names.WHEEL.items()
         for i in names.NUMBERS
         for side in names.SIDES
-    ]
-    on_rail = [
-        Variable(
-            f"wheelset[{i}].{side}.{name}", causality="output", unit=unit, description=description
-        )
-        for i in names.NUMBERS
-        for side in names.SIDES
-        for name, (unit, description) in names.ON_RAIL.items()
     ]
     heights = [
         Variable(
@@ -334,4 +300,4 @@ def _outputs() -> list[Variable]:
             description="Largest change of the rails' deflection by the last slide",
         ),
     ]
-    return contact + wheels + on_rail + heights + window
+    return contact + wheels + heights + window

@@ -10,11 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from slab_track.compiled import entry
 from slab_track.contact.wheelset import FORCED, LOCATED, NORMAL_FORCE
 from slab_track.motion import MOTION, VELOCITY_COLUMNS
 
-ANSWERS = 8
+ANSWERS = 10
 """Rows of what happens at the wheels, see :attr:`TrackState.answers`."""
 
 (
@@ -42,9 +41,9 @@ _HEAD = 7
     NORMAL,
     CREEP,
     RAIL,
-    WHEELSET,
     LOCATED_PATCHES,
     PATCH_FORCES,
+    WHEELSET,
     ANSWER,
     FASTENER_FORCE,
     RAIL_S,
@@ -55,7 +54,9 @@ _HEAD = 7
     COMPRESSION_A,
     LATERAL,
 ) = range(23)
-"""Numbers of the parts that are arrays, in their order in the vector."""
+"""Numbers of the parts that are arrays, in their order in the vector.
+
+What is given to the partner, WHEELSET and ANSWER, lies side by side."""
 
 
 class FieldState(NamedTuple):
@@ -150,9 +151,9 @@ class StateLayout:
             (w, 2, 2),
             (w, 2, 2),
             (w, 2, 6),
-            (w, 6),
             (w, 2, 2, LOCATED),
             (w, 2, 2, FORCED),
+            (w, 6),
             (ANSWERS, w, 2),
             (2, fasteners),
             *fields,
@@ -220,7 +221,7 @@ class TrackState:
         What happens at the wheels, (ANSWERS, wheelsets, 2), left first. Rows: normal,
         longitudinal and lateral creep force, N; penetration, m, and contact angle, rad, of the
         patch that carries most; vertical displacement of the rail's axis and lateral one of its
-        head, m; roll, rad.
+        head, m; roll, rad; lateral (guiding) and vertical force of the wheel on the rail, N.
     contact
         Contact force and moment on each wheelset, (wheelsets, 6), N and N.m.
     fastener_force
@@ -306,13 +307,6 @@ _NUMBERS = {
     "slide_residual": SLIDE_RESIDUAL,
     "datum": DATUM,
 }
-
-
-@entry
-def pick(vector, source, out, target):
-    """Copy numbers of a state's vector from the places ``source`` to ``target`` in ``out``."""
-    for i in range(source.size):
-        out[target[i]] = vector[source[i]]
 
 
 def begin_motion(state: TrackState, time: float, motion: np.ndarray) -> None:

@@ -4,6 +4,7 @@ For each internal step :func:`begin` and :func:`finish` are called one after the
 function they would take twice as long to compile.
 """
 
+import math
 from typing import NamedTuple
 
 import numba
@@ -20,7 +21,7 @@ from slab_track.interaction import (
 )
 from slab_track.irregularity.kernels import evaluate_into
 from slab_track.lateral_step import close_rail, free_rail
-from slab_track.motion import extrapolate, push, reach
+from slab_track.motion import extrapolate, is_too_deep, jumps, push, reach
 from slab_track.oscillators import copy
 from slab_track.state import (
     ANSWER,
@@ -46,7 +47,7 @@ from slab_track.vertical import (
 from slab_track.views import class_fields, class_force, part, side_force, wheels_of
 from slab_track.wheel_shapes import wheel_shapes
 
-GOOD, NOT_FINITE, SLIDE_DUE, NEAR_THE_END, NO_SOLUTION = range(5)
+GOOD, NOT_FINITE, TOO_DEEP, JUMPS, SLIDE_DUE, NEAR_THE_END, NO_SOLUTION = range(7)
 """What becomes of a step."""
 
 
@@ -209,7 +210,7 @@ def pack(
 
 @kernel
 def _take_motion(op, old, new, motion, time):
-    """Copy what the wheels remember, take in their motion; False if that is not finite.
+    """Copy what the wheels remember, take in their motion; say whether it can be.
 
     ``time`` is that of the motion, s.
     """
@@ -219,13 +220,22 @@ def _take_motion(op, old, new, motion, time):
     is_new = time != old[POINT_TIME]
     if is_new:
         new[PREVIOUS_TIME], new[POINT_TIME] = old[POINT_TIME], time
-    return push(
+    if not push(
         motion,
         is_new,
         part(new, starts, MOTION_NOW).reshape((count, 11)),
         part(new, starts, MOTION_BEFORE).reshape((count, 11)),
         part(new, starts, RATES_SEEN),
-    )
+    ):
+        return NOT_FINITE
+    if is_too_deep(motion):
+        return TOO_DEEP
+    # Until the first step is made there is no motion yet, only a place where the run begins.
+    moved = not math.isnan(old[PREVIOUS_TIME]) or old[TIME] > old[POINT_TIME]
+    before = part(old, starts, MOTION_NOW).reshape((count, 11))
+    if is_new and moved and jumps(motion, before, time - old[POINT_TIME]):
+        return JUMPS
+    return GOOD
 
 
 @kernel
@@ -296,8 +306,9 @@ def begin(op, old, new, motion, time, may_slide, turn):
         GOOD, or why the step cannot be made.
     """
     if turn == 0:
-        if not _take_motion(op, old, new, motion, time):
-            return NOT_FINITE
+        found = _take_motion(op, old, new, motion, time)
+        if found != GOOD:
+            return found
         _make_path(op, new, op.scratch.path)
         found = _check_places(op.limits, new[WINDOW_START], may_slide, op.scratch.path)
         if found != GOOD:

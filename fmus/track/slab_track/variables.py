@@ -32,8 +32,6 @@ WHEEL = {
     "rail_vertical_displacement": ("m", "Rail under the wheel, downwards"),
     "rail_lateral_displacement": ("m", "Rail under the wheel, to the right"),
     "rail_roll_angle": ("rad", "Rotation of the rail under the wheel"),
-}
-ON_RAIL = {
     "guiding_force": ("N", "Lateral force of the wheel on the rail, Y, to the right"),
     "vertical_wheel_force": ("N", "Vertical force of the wheel on the rail, Q, downwards"),
 }
@@ -42,6 +40,7 @@ PROFILES = {
     "slab_profile": "slab under the {side} rail, vertical displacement, downwards",
 }
 PROFILE_POINTS = 121
+PROFILES_WANTED = "rail_profile.enabled"
 FIRST_OFFSET, SPACING = "rail_profile.first_offset", "rail_profile.spacing"
 """Place of the first point ahead of the leading wheelset, and distance from point to point, m."""
 
@@ -68,16 +67,6 @@ def contact_names(count: int) -> list[str]:
 def wheel_names(name: str, count: int) -> list[str]:
     """Names of one output of all wheels, left first."""
     return [f"wheelset[{i}].{side}.{name}" for i in range(1, count + 1) for side in SIDES]
-
-
-def on_rail_names(count: int) -> list[str]:
-    """Names of the forces of all wheels on the rails, wheel by wheel, left first."""
-    return [
-        f"wheelset[{i}].{side}.{name}"
-        for i in range(1, count + 1)
-        for side in SIDES
-        for name in ON_RAIL
-    ]
 
 
 def rail_head_names(name: str, count: int) -> list[str]:

@@ -10,14 +10,21 @@ import matplotlib
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 
 from rail_cosim.animation.drawing import Stage, default_exaggeration
-from rail_cosim.animation.film import FRAME_RATE, OPTION, Film, check_track
+from rail_cosim.animation.film import FRAME_RATE, OPTION, PROFILES_WANTED, Film, check_track
 from rail_cosim.errors import ParameterError, ResultsError
 from rail_cosim.results import check_writable
 
 if TYPE_CHECKING:
     from rail_cosim.reporter import Reporter
 
-__all__ = ["FORMATS", "Film", "check_animation", "check_track", "write_animation"]
+__all__ = [
+    "FORMATS",
+    "PROFILES_WANTED",
+    "Film",
+    "check_animation",
+    "check_track",
+    "write_animation",
+]
 
 FORMATS = (".mp4", ".gif")
 _DOTS = {".mp4": 100, ".gif": 60}  # per inch

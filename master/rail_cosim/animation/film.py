@@ -21,6 +21,8 @@ FRAME_RATE = 25.0
 
 MOST_FRAMES = 5000
 _POINT = re.compile(r"rail_profile\.left\.vertical_displacement\[(\d+)\]")
+PROFILES_WANTED = "rail_profile.enabled"
+"""Parameter of the track that makes it compute its shapes."""
 _FIRST, _SPACING = "rail_profile.first_offset", "rail_profile.spacing"
 
 
