@@ -194,6 +194,10 @@ class FmuSlave:
         step = ctypes.cast(self._do_step, ctypes.c_void_p).value
         return (self.component.value or 0 if self.component else 0), step or 0
 
+    def address(self, name: str) -> int:
+        """Return where a C function that gets or sets variables is in memory."""
+        return ctypes.cast(self.vector_call(name), ctypes.c_void_p).value or 0
+
     def vector_call(self, name: str) -> Any:
         """Return the C function that gets or sets variables of one kind."""
         return _VECTOR_CALL((name, self._fmu.dll))

@@ -18,8 +18,10 @@ from numba import njit, types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from rail_cosim import packed
 from rail_cosim.exchange import Port
 from rail_cosim.fmu import FmuSlave, FmuVector
+from rail_cosim.packed import unpack
 from rail_cosim.recorder import Recorder
 from rail_cosim.system import SystemStructure
 
@@ -34,10 +36,11 @@ _COMPONENT, _DO_STEP, _ROLLS_BACK = 0, 1, 2
 _SET, _INPUTS, _INPUT_COUNT, _INPUT_VALUES = 3, 4, 5, 6
 _GET, _OUTPUTS, _OUTPUT_COUNT, _COUPLED, _OUTPUT_VALUES = 7, 8, 9, 10, 11
 _COUNT, _COUNTERS, _COUNTER_COUNT, _COUNTER_VALUES = 12, 13, 14, 15
-_WIDTH = 16
-_WARNING = 1
-_DIVERGED = 4
-_CALLS = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "fmi2GetInteger")
+_TEXT, _TEXT_REFERENCE, _TEXT_PLACE = 16, 17, 18
+_WIDTH = 19
+_WARNING, _ERROR = 1, 3
+_CALLS = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "fmi2GetInteger", "fmi2GetString")
+_DIVERGED = len(_CALLS)
 
 
 def _make_vector_call(
@@ -92,6 +95,25 @@ def _set_inputs(call: Any, feeds: Array, board: Array, sources: Any, first: int)
 
 
 @njit(cache=True)
+def _read_text(call: Any, text: Any, targets: Any, bits: Any, board: Array, counters: Any) -> int:
+    """Read all outputs of an FMU as one text, (n,) numbers with places ``targets`` (n,)."""
+    status = _vector_call(
+        call[_TEXT], call[_COMPONENT], call[_TEXT_REFERENCE], 1, call[_TEXT_PLACE]
+    )
+    if status > _WARNING:
+        return status
+    if text[0] == 0 or not unpack(text[0], bits):
+        return _ERROR
+    values = bits.view(np.float64)
+    for index in range(len(targets)):
+        if targets[index] >= 0:
+            board[targets[index]] = values[index]
+        else:
+            counters[-1 - targets[index]] = np.int32(values[index])
+    return status
+
+
+@njit(cache=True)
 def _march(
     calls: Any,
     firsts: Any,
@@ -110,6 +132,10 @@ def _march(
     watched: Any,
     seen: Array,
     places: Any,
+    texts: Any,
+    targets: Any,
+    ends: Any,
+    bits: Any,
 ) -> tuple[int, int, int, int, int]:
     """Do ``count`` steps; return steps done, records made, and a failing port, call and status."""
     recorded = 0
@@ -132,8 +158,20 @@ def _march(
             )
             if status > _WARNING:
                 return step - 1, recorded, port, 1, status
+            numbers = ends[port + 1] - ends[port] if due else 0
+            if numbers > 0:
+                status = _read_text(
+                    call,
+                    texts[port : port + 1],
+                    targets[ends[port] : ends[port + 1]],
+                    bits[:numbers],
+                    board,
+                    counters,
+                )
+                if status > _WARNING:
+                    return step - 1, recorded, port, 4, status
             wanted = call[_OUTPUT_COUNT] if due else call[_COUPLED]
-            if wanted > 0:
+            if numbers == 0 and wanted > 0:
                 status = _vector_call(
                     call[_GET], call[_COMPONENT], call[_OUTPUTS], wanted, call[_OUTPUT_VALUES]
                 )
@@ -142,7 +180,7 @@ def _march(
             for index in range(places[port], places[port] + call[_COUPLED]):
                 if not abs(board[index]) < LARGEST_VALUE:
                     return step - 1, recorded, port, _DIVERGED, 0
-            if due and call[_COUNTER_COUNT] > 0:
+            if due and numbers == 0 and call[_COUNTER_COUNT] > 0:
                 status = _vector_call(
                     call[_COUNT],
                     call[_COMPONENT],
@@ -207,11 +245,34 @@ class March:
         self._places = np.array(
             [(p.outputs.values.ctypes.data - first) // 8 for p in system.ports], dtype=np.int64
         )
+        self._find_texts()
         self._real_columns, self._counter_columns = recorder.places()
         self._records = np.empty((LONGEST, recorder.width))
         self._seen = np.empty((LONGEST, len(watched)))
         self.finished = 0, self._seen[:0]
         self._steps(0, 0, 1.0)  # compiles it, before time matters
+
+    def _find_texts(self) -> None:
+        """Find which FMUs give their outputs as one text, and what of it goes where."""
+        counts = [len(port.counters.names) for port in self._system.ports]
+        counters = np.cumsum([0, *counts])
+        targets = [
+            packed.targets(port, int(first), int(counter))
+            for port, first, counter in zip(
+                self._system.ports, self._places, counters[:-1], strict=True
+            )
+        ]
+        self._ends = np.cumsum([0, *map(len, targets)])
+        self._targets = np.concatenate([np.zeros(0, dtype=np.int64), *targets])
+        self._texts = np.zeros(len(targets), dtype=np.int64)
+        self._bits = np.zeros(max(map(len, targets), default=0), dtype=np.uint64)
+        self._text_references = np.zeros(len(targets), dtype=np.uint32)
+        for place, (row, slave) in enumerate(zip(self._calls, self._slaves, strict=True)):
+            if len(targets[place]):
+                self._text_references[place] = slave.variables[packed.NAME].reference
+                row[_TEXT] = slave.address("fmi2GetString")
+                row[_TEXT_REFERENCE] = self._text_references[place:].ctypes.data
+                row[_TEXT_PLACE] = self._texts[place:].ctypes.data
 
     def _steps(self, done: int, count: int, step_size: float) -> tuple[int, int, int, int, int]:
         return _march(
@@ -232,6 +293,10 @@ class March:
             self._watched,
             self._seen,
             self._places,
+            self._texts,
+            self._targets,
+            self._ends,
+            self._bits,
         )
 
     def run(self, done: int, count: int, step_size: float) -> tuple[int, Array]:
