@@ -59,7 +59,7 @@ def step_cost(
     """
     model = TrackModel(parameters)
     state, motion = _run(model, speed, step)
-    operator, steps, _ = model.stepper.operator(step)
+    operator, steps, _, _kept = model.stepper.operator(step)
     new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
 
     begin(operator, state.vector, new, motion, state.time, False, 0)

@@ -2,6 +2,7 @@
 
 import functools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -98,14 +99,17 @@ class Stepper:
         """Whether the rails move laterally and in roll."""
         return self._p.rail.motion == "full" and self._interface != VERTICAL
 
-    def _make_operator(self, duration: float) -> tuple[TrackOperator, int, float]:
-        """Return operator, number and length (s) of the internal steps of a communication step."""
+    def _make_operator(self, duration: float) -> tuple[TrackOperator, int, float, Any]:
+        """Return operator, number and length (s) of the internal steps of a communication step.
+
+        The last one is what the operator refers to, to be kept as long as it is used.
+        """
         p = self._p
         steps = max(1, math.ceil(duration / p.integration.maximum_step - 1e-9))
         step = duration / steps
         waves, count = self._linear.rail.wave_number.size, p.wheelset_count
         half = half_size(self._linear.fastener_count)
-        operator = pack(
+        parts = (
             rail_operator(self._linear, step),
             class_operator(self._linear, step, SYMMETRIC),
             class_operator(self._linear, step, ANTISYMMETRIC),
@@ -129,7 +133,7 @@ class Stepper:
             FreeStep.empty(count, half),
             Interaction.empty(count),
         )
-        return operator, steps, step
+        return pack(*parts), steps, step, parts
 
     @property
     def _limits(self) -> WindowLimits:
@@ -182,7 +186,7 @@ class Stepper:
         TrackError
             As there.
         """
-        operator, steps, step = self.operator(dt)
+        operator, steps, step, _kept = self.operator(dt)
         applied = self._no_force
         if self._interface == APPLIED:
             applied = self._on_axis(applied_force)

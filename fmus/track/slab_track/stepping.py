@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from numba.experimental import structref
+from rail_quantities.borrowed import borrowed
 
 from slab_track.compiled import entry, kernel
 from slab_track.interaction import (
@@ -183,7 +184,7 @@ def pack(
     rail, symmetric, antisymmetric, lateral, contact, grid, irregularity, settings, limits, starts,
     scratch, coupling, free_s, free_a, at,
 ):  # fmt: skip
-    """Return a :class:`TrackOperator`.
+    """Return a :class:`TrackOperator`, which refers to the arrays but does not keep them.
 
     Parameters
     ----------
@@ -203,8 +204,10 @@ def pack(
         Room for what is made within a step.
     """
     return TrackOperator(
-        rail, symmetric, antisymmetric, lateral, contact, grid, irregularity, settings, limits,
-        starts, scratch, coupling, free_s, free_a, at,
+        borrowed(rail), borrowed(symmetric), borrowed(antisymmetric), borrowed(lateral),
+        borrowed(contact), borrowed(grid), borrowed(irregularity), settings, limits,
+        borrowed(starts), borrowed(scratch), borrowed(coupling), borrowed(free_s),
+        borrowed(free_a), borrowed(at),
     )  # fmt: skip
 
 
@@ -305,6 +308,7 @@ def begin(op, old, new, motion, time, may_slide, turn):
     int
         GOOD, or why the step cannot be made.
     """
+    old, new, motion = borrowed(old), borrowed(new), borrowed(motion)
     if turn == 0:
         found = _take_motion(op, old, new, motion, time)
         if found != GOOD:
@@ -358,6 +362,7 @@ def finish(op, old, new, applied, turn):
     int
         GOOD or NO_SOLUTION.
     """
+    old, new, applied = borrowed(old), borrowed(new), borrowed(applied)
     count, starts = op.scratch.x.size, op.starts
     row = part(new, starts, ROW).reshape((count, 11))
     wheels = wheels_of(new, starts, count)
