@@ -30,6 +30,7 @@ class TrackSlave(RailSlave):
     """Two rails on slabs in a window that slides along with the wheelsets."""
 
     MODEL_NAME = "InfiniteSlabTrack"
+    CHECKS_OUTPUTS = True
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         name: {key: value for key, (_, value) in flatten(line).items() if key not in _RUN_SETTINGS}
         for name, line in LINES.items()

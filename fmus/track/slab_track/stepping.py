@@ -38,6 +38,7 @@ from slab_track.state import (
     RATES_SEEN,
     ROW,
     TIME,
+    WHEELSET,
     WINDOW_START,
 )
 from slab_track.vertical import (
@@ -389,4 +390,7 @@ def finish(op, old, new, applied, turn):
     if turn == op.scratch.path.shape[0] - 1:
         report_rails(op.at, wheels)
         answer(wheels, settings.axis_depth, part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))
+        for place in range(starts[WHEELSET], starts[ANSWER + 1]):
+            if not math.isfinite(new[place]):
+                return NO_SOLUTION
     return GOOD

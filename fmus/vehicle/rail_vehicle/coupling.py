@@ -119,6 +119,13 @@ class ForceMemory:
         """Take in a value, six numbers per wheelset, ``elapsed`` seconds after the newest."""
         _append(self._memory, forces, elapsed)
 
+    def take(
+        self, forces: Array, elapsed: float, step: float, order: int, *, at_end: bool
+    ) -> Array:
+        """Return what :meth:`over_step` does, after :meth:`append`; faster than both."""
+        _take(self._memory, forces, elapsed, step, order, at_end, self._curve)
+        return self._curve
+
     def over_step(self, step: float, order: int, *, at_end: bool) -> Array:
         """Return start, end and bow of the forces over a step, shape (3, 6 per wheelset).
 
@@ -131,6 +138,20 @@ class ForceMemory:
 
 # The memory as one vector: how many values it holds, their ages, the values.
 _AGES, _FORCES = 1, 4
+
+
+@entry
+def _take(
+    memory: Array,
+    newest: Array,
+    elapsed: float,
+    step: float,
+    order: int,
+    at_end: bool,
+    curve: Array,
+) -> None:
+    _append(memory, newest, elapsed)
+    _over_step(memory, step, order, at_end, curve)
 
 
 @entry

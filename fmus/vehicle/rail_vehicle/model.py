@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,8 +32,9 @@ from rail_vehicle.kernel import (
     RESULT_COUNT,
     SPEED,
     VECTOR_COUNT,
-    advance,
     evaluate,
+    pack,
+    step_into,
 )
 from rail_vehicle.linear_system import FREE_COUNT, LinearSystem, assemble, first_order
 from rail_vehicle.nonlinear import largest_slopes, law_constants
@@ -172,6 +173,7 @@ class VehicleModel:
         self.output_table: tuple[Output, ...] = self._outputs.table
         self._index = {output.name: place for place, output in enumerate(self.output_table)}
         self.internal_step = self._longest_step()
+        self._made: tuple[float, Any, int, tuple[Array, ...]] = (math.nan, None, 0, ())
 
     def _rolling_spin(self, speed: float) -> float:
         return -speed / self.parameters.wheelset.radius
@@ -344,23 +346,30 @@ class VehicleModel:
         StepError
             As :meth:`step`; ``vector`` and ``outputs`` are then unchanged.
         """
-        count = self._count(dt)
+        if dt != self._made[0]:
+            self._made = self._make(dt)
         acceleration = self._acceleration(float(vector[SPEED]), speed_setpoint, dt)
-        found = advance(
-            vector,
-            forces,
-            acceleration,
-            dt / count,
-            count,
+        _, constants, count, _ = self._made
+        found = step_into(
+            constants, vector, forces, acceleration, dt / count, count, result, outputs
+        )
+        if found != GOOD:
+            raise StepError(self._why(found, vector, result))
+
+    def _make(self, dt: float) -> tuple[float, Any, int, tuple[Array, ...]]:
+        """Pack what a step of ``dt`` s takes; return ``dt``, that, how many parts, what it refers to."""
+        count, of = self._count(dt), self._outputs
+        parts = (
             *self._operators[dt / count],
             self._constants,
             self._law,
             self._limits,
-            result,
+            of.offsets,
+            of.values,
+            of.columns,
+            of.row_starts,
         )
-        if found != GOOD:
-            raise StepError(self._why(found, vector, result))
-        self._outputs.write(result, outputs)
+        return dt, pack(*parts), count, parts
 
     def _count(self, dt: float) -> int:
         """Return the number of internal steps in a step of ``dt`` s."""

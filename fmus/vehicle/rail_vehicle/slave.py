@@ -42,6 +42,7 @@ class VehicleSlave(RailSlave):
     """Vehicle of 50 degrees of freedom, driven by the contact forces on its wheelsets."""
 
     MODEL_NAME = "HighSpeedVehicle"
+    CHECKS_OUTPUTS = True
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "paper": preset_values(PAPER),
         "soft_primary": preset_values(SOFT_PRIMARY),
@@ -129,8 +130,9 @@ class VehicleSlave(RailSlave):
 
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
-        self._memory.append(self._forces, step_size if self._at_end else self._last_step)
-        forces = self._memory.over_step(step_size, self._order, at_end=self._at_end)
+        at_end = self._at_end
+        elapsed = step_size if at_end else self._last_step
+        forces = self._memory.take(self._forces, elapsed, step_size, self._order, at_end=at_end)
         try:
             self._model.step_into(
                 self._vector, forces, step_size, self._wanted_speed(), self._next, self._outputs
