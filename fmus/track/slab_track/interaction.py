@@ -4,6 +4,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from rail_quantities.uncounted import flat, on_stack
 
 from slab_track.compiled import entry, kernel, stream
 from slab_track.contact.wheelset import (
@@ -54,6 +55,8 @@ class Interaction(NamedTuple):
     compliance, mobility
         Displacement and rate of the axis under a wheel per unit force (y, z, roll)
         there, (w, 3, 3).
+    others
+        Room for the forces of the other wheels that a sweep counts with, (w, 2, 3).
     """
 
     free: np.ndarray
@@ -61,13 +64,14 @@ class Interaction(NamedTuple):
     cross: np.ndarray
     compliance: np.ndarray
     mobility: np.ndarray
+    others: np.ndarray
 
     @classmethod
     def empty(cls, wheels: int) -> "Interaction":
         """Return room for ``wheels``."""
         among = [np.zeros((wheels, wheels)) for _ in range(2)]
         own = [np.zeros((wheels, 3, 3)) for _ in range(2)]
-        return cls(np.zeros((wheels, 2, 6)), *among, *own)
+        return cls(np.zeros((wheels, 2, 6)), *among, *own, np.zeros((wheels, 2, 3)))
 
 
 @kernel
@@ -93,7 +97,7 @@ def put_together(free_s, free_a, at):
 @kernel
 def add_lateral(lateral, places, step, motions, at):
     """Add the lateral motion of both rails, (2, w, 4), to an :class:`Interaction`."""
-    flexible, to_rate = np.empty(3), 2.0 / step
+    flexible, to_rate = on_stack(3), 2.0 / step
     for wheel in range(places.size):
         for side in range(2):
             motion, free = motions[side, wheel], at.free[wheel, side]
@@ -176,15 +180,15 @@ def _vertical_contact(settings, path, offsets, at, wheels):
 @kernel
 def _profile_contact(contact, grid, path, offsets, at, wheels):
     """Contact on real profiles: sweeps over all wheels."""
-    own, offset, wheelset = np.empty(6), np.empty(2), np.empty(6)
-    good, others = True, np.empty(wheels.rail_force.shape)
-    _expect(wheels.rail_force.ravel(), wheels.earlier_force.ravel(), others.ravel())
-    copy(wheels.rail_force.ravel(), wheels.earlier_force.ravel())
+    own, offset, wheelset = on_stack(6), on_stack(2), on_stack(6)
+    good, others = True, at.others
+    _expect(flat(wheels.rail_force), flat(wheels.earlier_force), flat(others))
+    copy(flat(wheels.rail_force), flat(wheels.earlier_force))
     for sweep in range(_SWEEPS):
         clear(wheels.wheelset)
         # All wheels see the others' forces of the last sweep: no order, so mirror symmetry.
         if sweep > 0:
-            copy(wheels.rail_force.ravel(), others.ravel())
+            copy(flat(wheels.rail_force), flat(others))
         for wheel in range(path.shape[0]):
             for side in range(2):
                 _add_others(at, wheel, side, others, own)
@@ -214,14 +218,14 @@ def interact(contact, grid, settings, path, offsets, applied, at, wheels):
         return _vertical_contact(settings, path, offsets, at, wheels)
     if settings.interface == PROFILES:
         return _profile_contact(contact, grid, path, offsets, at, wheels)
-    copy(applied.ravel(), wheels.rail_force.ravel())
+    copy(flat(applied), flat(wheels.rail_force))
     return True
 
 
 @kernel
 def report_rails(at, wheels):
     """Motion of the rails under the wheels, all forces of this step included."""
-    own = np.empty(6)
+    own = on_stack(6)
     for wheel in range(wheels.rail.shape[0]):
         for side in range(2):
             _add_others(at, wheel, side, wheels.rail_force, own)

@@ -77,7 +77,7 @@ def lateral_constants(track: LateralTrack, step: float) -> LateralConstants:
 
 
 @kernel
-def free_rail(constants, folding, old, shapes, step, new, taken, motion):
+def free_rail(constants, folding, old, shapes, step, new, taken, motion, room):
     """Step a rail with fasteners but without wheel forces.
 
     Parameters
@@ -94,9 +94,10 @@ def free_rail(constants, folding, old, shapes, step, new, taken, motion):
         Receives wave force and moment that the fasteners take from the rail, folded, (2, 2h).
     motion
         Receives displacement, roll and their rates under the wheels, (w, 4).
+    room
+        :class:`slab_track.room.Room`.
     """
-    count = shapes.shape[1]
-    waves, extension = np.empty((4, count)), np.empty((2, count))
+    waves, extension = room.waves, room.more_waves
     step_waves(old, constants.softening, constants.amplitude, step, new, waves[0], waves[2])
     step_last(old, constants.softening, constants.amplitude, step, new, waves[1], waves[3])
     _extend(
@@ -149,17 +150,15 @@ def _hold(response, home, sign, taken, to_rate, displacement, rate):
 
 
 @kernel
-def close_rail(constants, folding, free, shapes, forces, step, new):
+def close_rail(constants, folding, free, shapes, forces, step, room, new):
     """Add wheel forces and moments (2, w) and fastener forces to a free step, in place.
 
     ``free`` (2, 2h) is what the fasteners take without wheel forces.
     """
-    count, foot = shapes.shape[1], constants.foot
-    load, extension = np.empty((2, count)), np.empty((2, count))
+    foot, load, extension, taken = constants.foot, room.waves, room.more_waves, room.taken
     for direction in range(2):
         _push(forces[direction], shapes, load[direction])
     _load_extension(constants.gain, foot, constants.response, load, extension[0], extension[1])
-    taken = np.empty((2, constants.weight.size))
     _take(constants, folding, extension, taken)
     for direction in range(2):
         add_scaled(1.0, free[direction], taken[direction])

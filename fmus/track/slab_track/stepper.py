@@ -109,6 +109,7 @@ class Stepper:
         step = duration / steps
         waves, count = self._linear.rail.wave_number.size, p.wheelset_count
         half = half_size(self._linear.fastener_count)
+        modes = self._linear.slab_count * max(s.omega_squared.size for s in self._linear.slabs)
         parts = (
             rail_operator(self._linear, step),
             class_operator(self._linear, step, SYMMETRIC),
@@ -127,7 +128,7 @@ class Stepper:
             ),
             self._limits,
             self._layout.starts,
-            Scratch.empty(steps, count, waves, half),
+            Scratch.empty(steps, count, waves, self._linear.fastener_count, modes),
             WheelCoupling.empty(count, half),
             FreeStep.empty(count, half),
             FreeStep.empty(count, half),

@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from numba.experimental import structref
-from rail_quantities.borrowed import borrowed
+from rail_quantities.uncounted import borrowed, flat, on_stack, shaped
 
 from slab_track.compiled import entry, kernel
+from slab_track.halves import half_size
 from slab_track.interaction import (
     add_lateral,
     answer,
@@ -24,6 +25,7 @@ from slab_track.irregularity.kernels import evaluate_into
 from slab_track.lateral_step import close_rail, free_rail
 from slab_track.motion import extrapolate, is_too_deep, jumps, push, reach
 from slab_track.oscillators import copy
+from slab_track.room import Room
 from slab_track.state import (
     ANSWER,
     ANSWERS,
@@ -119,6 +121,8 @@ class Scratch(NamedTuple):
         Of both rails, see :func:`slab_track.lateral_step.free_rail`, (2, 2, 2h).
     motion
         Of both rails, see there, (2, w, 4).
+    room
+        For what only one function uses.
     """
 
     path: np.ndarray
@@ -129,10 +133,14 @@ class Scratch(NamedTuple):
     shapes: np.ndarray
     taken: np.ndarray
     motion: np.ndarray
+    room: Room
 
     @classmethod
-    def empty(cls, steps: int, wheels: int, waves: int, half: int) -> "Scratch":
-        """Return room for steps, wheelsets, waves and halves of ``half`` fasteners."""
+    def empty(
+        cls, steps: int, wheels: int, waves: int, fasteners: int, slab_modes: int
+    ) -> "Scratch":
+        """Return room for steps, wheelsets, waves, fasteners and modes of all slabs."""
+        half = half_size(fasteners)
         return cls(
             path=np.empty((steps, wheels, 11)),
             x=np.empty(wheels),
@@ -142,6 +150,7 @@ class Scratch(NamedTuple):
             shapes=np.empty((wheels, waves)),
             taken=np.empty((2, 2, 2 * half)),
             motion=np.empty((2, wheels, 4)),
+            room=Room.empty(wheels, waves, fasteners, slab_modes),
         )
 
 
@@ -227,8 +236,8 @@ def _take_motion(op, old, new, motion, time):
     if not push(
         motion,
         is_new,
-        part(new, starts, MOTION_NOW).reshape((count, 11)),
-        part(new, starts, MOTION_BEFORE).reshape((count, 11)),
+        shaped(new, starts[MOTION_NOW], (count, 11)),
+        shaped(new, starts[MOTION_BEFORE], (count, 11)),
         part(new, starts, RATES_SEEN),
     ):
         return NOT_FINITE
@@ -236,7 +245,7 @@ def _take_motion(op, old, new, motion, time):
         return TOO_DEEP
     # Until the first step is made there is no motion yet, only a place where the run begins.
     moved = not math.isnan(old[PREVIOUS_TIME]) or old[TIME] > old[POINT_TIME]
-    before = part(old, starts, MOTION_NOW).reshape((count, 11))
+    before = shaped(old, starts[MOTION_NOW], (count, 11))
     if is_new and moved and jumps(motion, before, time - old[POINT_TIME]):
         return JUMPS
     return GOOD
@@ -246,8 +255,8 @@ def _take_motion(op, old, new, motion, time):
 def _make_path(op, new, path):
     """Fill the motion at the end of each internal step, (steps, wheelsets, 11)."""
     starts, count = op.starts, path.shape[1]
-    now = part(new, starts, MOTION_NOW).reshape((count, 11))
-    before = part(new, starts, MOTION_BEFORE).reshape((count, 11))
+    now = shaped(new, starts[MOTION_NOW], (count, 11))
+    before = shaped(new, starts[MOTION_BEFORE], (count, 11))
     ahead, span = new[TIME] - new[POINT_TIME], new[POINT_TIME] - new[PREVIOUS_TIME]
     for n in range(path.shape[0]):
         tau = ahead + op.settings.step * (n + 1)
@@ -257,7 +266,7 @@ def _make_path(op, new, path):
 @kernel
 def _check_places(limits, start, may_slide, path):
     """Say whether a slide is due, or a wheel too near to an end of the window."""
-    ends = np.empty(4)
+    ends = on_stack(4)
     reach(path, ends)
     # Half a millimetre early: whether it slides is decided outside.
     if may_slide and 0.5 * (ends[2] + ends[3]) > start + limits.slides_at - 5e-4:
@@ -272,8 +281,8 @@ def _place_wheels(op, new, turn):
     """Put the wheels where they are at the end of an internal step."""
     starts, scratch, limits = op.starts, op.scratch, op.limits
     count = scratch.x.size
-    row = part(new, starts, ROW).reshape((count, 11))
-    copy(scratch.path[turn].ravel(), row.ravel())
+    row = shaped(new, starts[ROW], (count, 11))
+    copy(flat(scratch.path[turn]), flat(row))
     for wheel in range(count):
         scratch.x[wheel] = row[wheel, 0]
         scratch.places[wheel] = row[wheel, 0] - new[WINDOW_START]
@@ -325,11 +334,11 @@ def begin(op, old, new, motion, time, may_slide, turn):
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
     wheel_shapes(rail.wave_number, places, shapes)
     coupling, free_s, free_a = op.coupling, op.free_s, op.free_a
-    wheel_coupling(rail, places, coupling)
+    wheel_coupling(rail, places, scratch.room.fasteners, coupling)
     fields = class_fields(old, new, starts, 0, fasteners)
-    free_class_step(rail, op.symmetric, fields, coupling, shapes, step, free_s)
+    free_class_step(rail, op.symmetric, fields, coupling, shapes, step, scratch.room, free_s)
     fields = class_fields(old, new, starts, 1, fasteners)
-    free_class_step(rail, op.antisymmetric, fields, coupling, shapes, step, free_a)
+    free_class_step(rail, op.antisymmetric, fields, coupling, shapes, step, scratch.room, free_a)
     put_together(free_s, free_a, op.at)
     lateral, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
     if not settings.moves_sideways:
@@ -338,8 +347,9 @@ def begin(op, old, new, motion, time, may_slide, turn):
     for side in range(2):
         first = lateral + side * size
         free_rail(
-            op.lateral, rail.folding, old[first : first + size].reshape((3, -1)), shapes, step,
-            new[first : first + size].reshape((3, -1)), scratch.taken[side], scratch.motion[side],
+            op.lateral, rail.folding, shaped(old, first, (3, size // 3)), shapes, step,
+            shaped(new, first, (3, size // 3)), scratch.taken[side], scratch.motion[side],
+            scratch.room,
         )  # fmt: skip
     add_lateral(op.lateral, places, step, scratch.motion, op.at)
     return GOOD
@@ -365,7 +375,7 @@ def finish(op, old, new, applied, turn):
     """
     old, new, applied = borrowed(old), borrowed(new), borrowed(applied)
     count, starts = op.scratch.x.size, op.starts
-    row = part(new, starts, ROW).reshape((count, 11))
+    row = shaped(new, starts[ROW], (count, 11))
     wheels = wheels_of(new, starts, count)
     if not interact(
         op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels
@@ -375,21 +385,26 @@ def finish(op, old, new, applied, turn):
     step, shapes = settings.step, op.scratch.shapes
     force = wheels.rail_force
     fasteners = (starts[FASTENER_FORCE + 1] - starts[FASTENER_FORCE]) // 2
-    fields, own = class_fields(old, new, starts, 0, fasteners), class_force(force, 1.0)
-    close_class_step(rail, op.symmetric, fields, op.free_s, shapes, own, step)
-    fields, own = class_fields(old, new, starts, 1, fasteners), class_force(force, -1.0)
-    close_class_step(rail, op.antisymmetric, fields, op.free_a, shapes, own, step)
+    room = op.scratch.room
+    own = room.forces[0]
+    class_force(force, 1.0, own)
+    fields = class_fields(old, new, starts, 0, fasteners)
+    close_class_step(rail, op.symmetric, fields, op.free_s, shapes, own, step, room)
+    class_force(force, -1.0, own)
+    fields = class_fields(old, new, starts, 1, fasteners)
+    close_class_step(rail, op.antisymmetric, fields, op.free_a, shapes, own, step, room)
     begin, size = starts[LATERAL], (starts[LATERAL + 1] - starts[LATERAL]) // 2
     if settings.moves_sideways:
         for side in range(2):
             first = begin + side * size
+            side_force(force, side, room.forces)
             close_rail(
-                op.lateral, rail.folding, op.scratch.taken[side], shapes, side_force(force, side),
-                step, new[first : first + size].reshape((3, -1)),
+                op.lateral, rail.folding, op.scratch.taken[side], shapes, room.forces, step, room,
+                shaped(new, first, (3, size // 3)),
             )  # fmt: skip
     if turn == op.scratch.path.shape[0] - 1:
         report_rails(op.at, wheels)
-        answer(wheels, settings.axis_depth, part(new, starts, ANSWER).reshape((ANSWERS, count, 2)))
+        answer(wheels, settings.axis_depth, shaped(new, starts[ANSWER], (ANSWERS, count, 2)))
         for place in range(starts[WHEELSET], starts[ANSWER + 1]):
             if not math.isfinite(new[place]):
                 return NO_SOLUTION

@@ -34,6 +34,7 @@ scalar equation of Hertz's law with the compliance
 from typing import NamedTuple
 
 import numpy as np
+from rail_quantities.uncounted import shaped
 
 from slab_track.assembly import LinearTrack
 from slab_track.compiled import kernel, stream
@@ -191,10 +192,12 @@ class WheelCoupling(NamedTuple):
 
 
 @kernel
-def wheel_coupling(rail, places, out):
-    """Fill a :class:`WheelCoupling` for wheels at ``places`` (w,), m in the window."""
+def wheel_coupling(rail, places, at_fasteners, out):
+    """Fill a :class:`WheelCoupling` for wheels at ``places`` (w,), m in the window.
+
+    ``at_fasteners`` (P,) is room.
+    """
     modal, total, ring = out.modal, out.total, rail.ring
-    at_fasteners = np.empty(rail.damping.size)
     for wheel in range(places.size):
         here = places[wheel] / rail.spacing
         to_fasteners(rail.modal_kernel, here, at_fasteners)
@@ -264,19 +267,20 @@ class ClassFields(NamedTuple):
 
 
 @kernel
-def free_class_step(rail, own, fields, coupling, shapes, step, out):
+def free_class_step(rail, own, fields, coupling, shapes, step, room, out):
     """Step one symmetry class with fasteners but without wheel forces.
 
     ``rail`` and ``own`` are the operators, ``fields`` a :class:`ClassFields`, ``shapes`` (w, N)
-    those of the waves under the wheels. Fills the :class:`FreeStep` ``out``.
+    those of the waves under the wheels, ``room`` a :class:`slab_track.room.Room`. Fills the
+    :class:`FreeStep` ``out``.
     """
-    waves, held = np.empty((2, shapes.shape[1])), coupling.held
+    waves, held = room.waves, coupling.held
     step_waves(
         fields.old_rail, rail.softening, rail.participation, step, fields.new_rail,
         waves[0], waves[1],
     )  # fmt: skip
     step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
-    _compress(rail, own.seats, waves[0], fields, held[0, 0], held[1, 0])
+    _compress(rail, own.seats, waves[0], fields, room, held[0, 0], held[1, 0])
     for half in range(2):
         np.dot(held[half], own.solve[half], out.fastener[half])
     for wheel in range(shapes.shape[0]):
@@ -287,14 +291,15 @@ def free_class_step(rail, own, fields, coupling, shapes, step, out):
 
 
 @kernel
-def _compress(rail, seats, waves, fields, even, odd):
+def _compress(rail, seats, waves, fields, room, even, odd):
     """Fill the halves (h,) of z - d/nu, for ``waves`` (N,) and slabs after the free step."""
-    folding, fastener = rail.folding, fields.fastener
-    sums, less = np.empty(2 * even.size), np.empty((2, even.size))
+    folding, fastener, sums, less = rail.folding, fields.fastener, room.taken[0], room.halves
     fold(folding.place, folding.sign, waves, sums)
     apply(folding.to_fasteners[0], sums[: even.size], even)
     apply(folding.to_fasteners[1], sums[even.size :], odd)
-    under = np.dot(fields.new_slab[0].reshape((-1, seats.shape[0])), seats).ravel()
+    modes, count = seats.shape
+    slabs, under = fields.new_slab.shape[1] // modes, room.fasteners
+    np.dot(shaped(fields.new_slab, 0, (slabs, modes)), seats, shaped(under, 0, (slabs, count)))
     old = fields.old_compression
     _retain(under, rail.flexibility, rail.damping, rail.rate, old[0], old[1], fastener)
     split(fastener, less[0], less[1])
@@ -337,30 +342,31 @@ def _under_wheel(
 
 
 @kernel
-def close_class_step(rail, own, fields, free, shapes, forces, step):
+def close_class_step(rail, own, fields, free, shapes, forces, step, room):
     """Add fastener forces and wheel forces (w,) to a free step, in place."""
-    half, seats, fastener = rail.folding.to_waves.shape[1], own.from_seats, fields.fastener
-    halves, sums = np.empty((2, half)), np.empty((2, half))
+    seats, fastener, halves = own.from_seats, fields.fastener, room.halves
     for side in range(2):
         copy(free.fastener[side, 0], halves[side])
         for wheel in range(forces.size):
             add_scaled(forces[wheel], free.fastener[side, 1 + wheel], halves[side])
     join(halves, fastener)
-    _close_rail(rail, halves, sums, fields.new_rail, shapes, forces, step)
-    on_slabs = np.dot(fastener.reshape((-1, seats.shape[0])), seats).ravel()
-    add_force(fields.new_slab, 0, own.slab_weight, on_slabs, step)
+    _close_rail(rail, halves, room, fields.new_rail, shapes, forces, step)
+    count, modes = seats.shape
+    slabs = fastener.size // count
+    on_slabs = shaped(room.slabs, 0, (slabs, modes))
+    np.dot(shaped(fastener, 0, (slabs, count)), seats, on_slabs)
+    add_force(fields.new_slab, 0, own.slab_weight, room.slabs[: slabs * modes], step)
     old, new = fields.old_compression, fields.new_compression
     _follow(rail.rate, rail.flexibility, rail.damping, fastener, old[0], old[1], new[0], new[1])
 
 
 @kernel
-def _close_rail(rail, halves, sums, new, shapes, forces, step):
+def _close_rail(rail, halves, room, new, shapes, forces, step):
     """Add the forces of wheels and fasteners, these in halves, to the rail's waves."""
-    count, folding = shapes.shape[1], rail.folding
-    wave = np.empty(count)
+    folding, wave, sums, half = rail.folding, room.waves[0], room.taken[0], halves.shape[1]
     for side in range(2):
-        apply(folding.to_waves[side], halves[side], sums[side])
-    unfold(folding.home, folding.home_sign, sums.ravel(), wave)
+        apply(folding.to_waves[side], halves[side], sums[side * half : (side + 1) * half])
+    unfold(folding.home, folding.home_sign, sums, wave)
     for wheel in range(shapes.shape[0]):
         add_scaled(-forces[wheel], shapes[wheel], wave)
     take_force(new, 0, rail.drive, wave, step)

@@ -2,7 +2,7 @@
 
 import math
 
-import numpy as np
+from rail_quantities.uncounted import shaped
 
 from slab_track.compiled import kernel
 from slab_track.contact.wheelset import FORCED, LOCATED
@@ -32,17 +32,24 @@ def part(vector, starts, number):
 
 
 @kernel
+def rows_of(vector, starts, number, rows):
+    """Return a part of a state's vector in rows of equal length."""
+    length = (starts[number + 1] - starts[number]) // rows
+    return shaped(vector, starts[number], (rows, length))
+
+
+@kernel
 def wheels_of(new, starts, count):
     """Return the :class:`slab_track.interaction.Wheels` of a state's vector."""
     return Wheels(
-        part(new, starts, RAIL_FORCE).reshape((count, 2, 3)),
-        part(new, starts, EARLIER_FORCE).reshape((count, 2, 3)),
-        part(new, starts, NORMAL).reshape((count, 2, 2)),
-        part(new, starts, CREEP).reshape((count, 2, 2)),
-        part(new, starts, RAIL).reshape((count, 2, 6)),
-        part(new, starts, WHEELSET).reshape((count, 6)),
-        part(new, starts, LOCATED_PATCHES).reshape((count, 2, 2, LOCATED)),
-        part(new, starts, PATCH_FORCES).reshape((count, 2, 2, FORCED)),
+        shaped(new, starts[RAIL_FORCE], (count, 2, 3)),
+        shaped(new, starts[EARLIER_FORCE], (count, 2, 3)),
+        shaped(new, starts[NORMAL], (count, 2, 2)),
+        shaped(new, starts[CREEP], (count, 2, 2)),
+        shaped(new, starts[RAIL], (count, 2, 6)),
+        shaped(new, starts[WHEELSET], (count, 6)),
+        shaped(new, starts[LOCATED_PATCHES], (count, 2, 2, LOCATED)),
+        shaped(new, starts[PATCH_FORCES], (count, 2, 2, FORCED)),
     )
 
 
@@ -52,29 +59,25 @@ def class_fields(old, new, starts, symmetry, fasteners):
     first = RAIL_S if symmetry == 0 else RAIL_A
     begin = starts[FASTENER_FORCE] + symmetry * fasteners
     return ClassFields(
-        part(old, starts, first).reshape((3, -1)),
-        part(old, starts, first + 1).reshape((3, -1)),
-        part(old, starts, first + 2).reshape((2, fasteners)),
-        part(new, starts, first).reshape((3, -1)),
-        part(new, starts, first + 1).reshape((3, -1)),
-        part(new, starts, first + 2).reshape((2, fasteners)),
+        rows_of(old, starts, first, 3),
+        rows_of(old, starts, first + 1, 3),
+        shaped(old, starts[first + 2], (2, fasteners)),
+        rows_of(new, starts, first, 3),
+        rows_of(new, starts, first + 1, 3),
+        shaped(new, starts[first + 2], (2, fasteners)),
         new[begin : begin + fasteners],
     )
 
 
 @kernel
-def class_force(force, sign):
-    """Wheel forces (w,) of a symmetry class from those of the rails (w, 2, 3)."""
-    own = np.empty(force.shape[0])
+def class_force(force, sign, own):
+    """Fill wheel forces (w,) of a symmetry class from those of the rails (w, 2, 3)."""
     for wheel in range(own.size):
         own[wheel] = _SQRT_HALF * (force[wheel, 1, 1] + sign * force[wheel, 0, 1])
-    return own
 
 
 @kernel
-def side_force(force, side):
-    """Lateral force and roll moment on one rail, (2, w), from the forces (w, 2, 3)."""
-    own = np.empty((2, force.shape[0]))
+def side_force(force, side, own):
+    """Fill lateral force and roll moment on one rail, (2, w), from the forces (w, 2, 3)."""
     for wheel in range(force.shape[0]):
         own[0, wheel], own[1, wheel] = force[wheel, side, 0], force[wheel, side, 2]
-    return own

@@ -16,6 +16,7 @@ and the smaller quotient is taken: it never leads too far.
 import math
 
 import numpy as np
+from rail_quantities.uncounted import on_stack
 
 from slab_track.compiled import entry, kernel
 from slab_track.contact.wheelset import (
@@ -202,7 +203,8 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
-    last = np.zeros((2, 2))
+    last_creep, last_change = on_stack(2), on_stack(2)
+    last_creep[0] = last_creep[1] = last_change[0] = last_change[1] = 0.0
     for round_ in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
         inside = locate_wheel(tables, side, motion, rail, offset, located)
@@ -221,14 +223,14 @@ def solve_wheel(
                 part, unsure = least, most - least
                 if most < _NEARLY_LINEAR * least:
                     part, unsure = 0.5 * (most + least), 0.5 * unsure
-                apart, turn = creep[patch] - last[patch, 0], change - last[patch, 1]
+                apart, turn = creep[patch] - last_creep[patch], change - last_change[patch]
                 if round_ > 0 and -turn * apart * least > apart * apart:
                     # Steeper than Kalker's slope, as on a flange: the slope seen. FASTSIM's own
                     # force may jump by a per cent where a strip begins to slip earlier: then any
                     # value in the jump is true.
                     part = -apart / turn
                     unsure = part if part * _STEEPEST < 1.0 else 1.0 - part
-                last[patch, 0], last[patch, 1] = creep[patch], change
+                last_creep[patch], last_change[patch] = creep[patch], change
                 creep[patch] += part * change
                 error = max(error, unsure * abs(change))
                 answer[LATERAL_FORCE] = creep[patch]
@@ -255,7 +257,7 @@ def _solve_normal(compliance, located, force, normal, creep):
 
     Replaces ``normal`` and ``force``. Returns how much the patches disturb each other, N.
     """
-    direction = np.empty(3)
+    direction = on_stack(3)
     error, lost, touching = 0.0, 0.0, 0
     clear(force)
     for patch in range(2):
@@ -284,7 +286,7 @@ def _solve_normal(compliance, located, force, normal, creep):
 @kernel
 def _damping(tables, motion, mobility, row, force):
     """D c: fall of the lateral creep force by its own effect on the rail, by Kalker's slope."""
-    direction = np.empty(3)
+    direction = on_stack(3)
     _lateral_direction(row, direction)
     speed = max(abs(motion[5]), _SLOWEST)
     slope = tables.shear_modulus * force[SEMI_AXIS_A] * force[SEMI_AXIS_B] * row[C22] / speed

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numba.experimental import structref
 from numpy.typing import NDArray
-from rail_quantities.borrowed import borrowed
+from rail_quantities.uncounted import borrowed, on_stack
 
 from rail_vehicle.compiled import entry, kernel
 from rail_vehicle.linear_system import FORCE_COUNT, INTERNAL_COUNT, SIGNAL_COUNT, STATE_COUNT
@@ -34,6 +34,9 @@ RESULT_COUNT = VECTOR_COUNT + FORCE_COUNT + 1 + INTERNAL_COUNT
 
 GOOD, NOT_FOUND, BEYOND = 0, 1, 2
 """What :func:`advance` says of a step."""
+
+_INPUT_COUNT = 3 * FORCE_COUNT + 1 + INTERNAL_COUNT
+"""Of a step: forces at start and end and bow, acceleration, internal forces at the start."""
 
 _MAX_ITERATIONS = 60
 
@@ -184,24 +187,28 @@ def internal_forces(
 
 
 @kernel
-def excess_momentum(vector: Array, constants: Array) -> Array:
-    """Angular momentum of the wheelsets beyond that of the parameter ``speed``, shape (4,).
+def excess_momentum(vector: Array, constants: Array, momentum: Array) -> None:
+    """Write the angular momentum of the wheelsets beyond that of the parameter ``speed``, (4,).
 
     The linear part contains the gyroscopic moments of the latter.
     """
-    momentum = np.empty(4)
     for index in range(4):
         momentum[index] = constants[0] * (vector[PITCH_RATES + index] - constants[1])
-    return momentum
 
 
 @kernel
-def less_static(forces: Array, static: float) -> Array:
-    """Contact forces (24,) less the vertical force of each wheelset at rest."""
-    excess = forces.copy()
+def less_static(forces: Array, static: float, excess: Array) -> None:
+    """Write contact forces (24,) less the vertical force of each wheelset at rest."""
+    copy_into(excess, 0, forces)
     for index in range(4):
         excess[6 * index + 2] -= static
-    return excess
+
+
+@kernel
+def clear(array: Array) -> None:
+    """Fill an array with zeros."""
+    for index in range(array.size):
+        array[index] = 0.0
 
 
 @kernel
@@ -245,7 +252,8 @@ def evaluate(
     result: Array,
 ) -> None:
     """Write state, contact forces less static, acceleration, internal forces to (145,)."""
-    now = np.zeros(SIGNAL_COUNT)
+    now = on_stack(SIGNAL_COUNT)
+    clear(now)
     add_columns(signals, 0, vector[:STATE_COUNT], now)
     evaluate_with(vector, now, forces, acceleration, constants, law, result)
 
@@ -262,14 +270,16 @@ def evaluate_with(
 ) -> None:
     """As :func:`evaluate`, with the signals (24,) of the state."""
     copy_into(result, 0, vector)
-    copy_into(result, VECTOR_COUNT, less_static(forces, constants[2]))
+    less_static(forces, constants[2], result[VECTOR_COUNT : VECTOR_COUNT + FORCE_COUNT])
     result[VECTOR_COUNT + FORCE_COUNT] = acceleration
+    momentum = on_stack(4)
+    excess_momentum(vector, constants, momentum)
     internal_forces(
         vector[DAMPER_FORCES : DAMPER_FORCES + 4],
         now,
         now,
         0.0,
-        excess_momentum(vector, constants),
+        momentum,
         law,
         result[VECTOR_COUNT + FORCE_COUNT + 1 :],
     )
@@ -305,8 +315,7 @@ def solve_internal(
     ``known`` (24,) are the signals at the end without the end's internal
     forces; ``forces`` (16,) hold the first guess and the result.
     """
-    end = np.empty(SIGNAL_COUNT)
-    found = np.empty(INTERNAL_COUNT)
+    end, found = on_stack(SIGNAL_COUNT), on_stack(INTERNAL_COUNT)
     for _ in range(_MAX_ITERATIONS):
         copy_into(end, 0, known)
         add_columns(feedback, 0, forces, end)
@@ -356,12 +365,13 @@ def advance_part(
     """Advance state, signals and the internal forces (last 16 inputs) by one step, in place."""
     forces = inputs[3 * FORCE_COUNT + 1 :]
     acceleration = inputs[3 * FORCE_COUNT]
-    ahead = np.zeros(STATE_COUNT)
+    ahead, then, momentum = on_stack(STATE_COUNT), on_stack(SIGNAL_COUNT), on_stack(4)
+    clear(ahead)
+    clear(then)
     add_columns(known, 0, state[:STATE_COUNT], ahead)
     add_columns(known, STATE_COUNT, inputs, ahead)
     spin_wheelsets(state, inputs, step, constants[0])
-    momentum = excess_momentum(state, constants)
-    then = np.zeros(SIGNAL_COUNT)
+    excess_momentum(state, constants, momentum)
     add_columns(signals, 0, ahead, then)
     damper_forces = state[DAMPER_FORCES : DAMPER_FORCES + 4]
     converged = solve_internal(forces, damper_forces, now, then, feedback, step, momentum, law)
@@ -420,15 +430,17 @@ def advance(
         ``GOOD``; ``NOT_FOUND`` if internal forces were not found or a number is not finite;
         ``BEYOND`` if a number of the state is beyond its limit.
     """
-    state = vector[:VECTOR_COUNT].copy()
-    now = np.zeros(SIGNAL_COUNT)
+    state, now = on_stack(VECTOR_COUNT), on_stack(SIGNAL_COUNT)
+    copy_into(state, 0, vector[:VECTOR_COUNT])
+    clear(now)
     add_columns(signals, 0, state[:STATE_COUNT], now)
     evaluate_with(state, now, forces[1], acceleration, constants, law, result)
-    inputs = np.empty(3 * FORCE_COUNT + 1 + INTERNAL_COUNT)
+    inputs = on_stack(_INPUT_COUNT)
     inputs[3 * FORCE_COUNT] = acceleration
     copy_into(inputs, 3 * FORCE_COUNT + 1, result[VECTOR_COUNT + FORCE_COUNT + 1 :])
-    first = less_static(forces[0], constants[2])
-    last = less_static(forces[1], constants[2])
+    first, last = on_stack(FORCE_COUNT), on_stack(FORCE_COUNT)
+    less_static(forces[0], constants[2], first)
+    less_static(forces[1], constants[2], last)
     good = True
     for part in range(count):
         fill_inputs(inputs, first, last, forces[2], part, count)

@@ -41,6 +41,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rail_quantities.uncounted import on_stack
 
 from slab_track.compiled import entry, stream
 
@@ -50,6 +51,7 @@ _LANES = 8
 # Rows of the working array: what is known of each strip while it is stepped through.
 _HALF, _EDGE, _MIDDLE, _LENGTH, _SLIP, _P_X, _P_Y, _SUM_X, _SUM_Y, _SUM_M, _HELD = range(11)
 _ROWS = 11
+_ROOM = _ROWS * _LANES
 
 
 class FastsimGrid(NamedTuple):
@@ -139,7 +141,7 @@ def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, frictio
     spin = phi * 4.0 * shear_modulus * c23 / (math.pi * math.sqrt(a / b) * bound)
     stiffer = math.sqrt(c22 / c11)
     force_x = force_y = moment = held = 0.0
-    work = np.empty(_ROWS * _LANES)
+    work = on_stack(_ROOM)
     for first in range(0, grid.strips.shape[1], _LANES):
         strips = grid.strips[:, first : first + _LANES]
         _adhere(strips, slip_x, slip_y, spin * a, spin * b, work)

@@ -21,7 +21,7 @@ the foot of the perpendicular is found by one step along the tangent.
 
 import math
 
-import numpy as np
+from rail_quantities.uncounted import flat, on_stack
 
 from slab_track.compiled import entry, kernel
 from slab_track.contact.creepage import (
@@ -82,9 +82,9 @@ _FAR = -1e-3
 @kernel
 def clear(array):
     """Fill a contiguous array with zeros."""
-    flat = array.ravel()
-    for i in range(flat.size):
-        flat[i] = 0.0
+    row = flat(array)
+    for i in range(row.size):
+        row[i] = 0.0
 
 
 @kernel
@@ -125,7 +125,7 @@ def locate_wheel(tables, side, motion, rail, offset, out):
     shift = cosine * from_y + sine * from_z + tables.axis_y - b
     drop = cosine * from_z - sine * from_y + tables.axis_z
     inside = True
-    description = np.empty(6)
+    description = on_stack(6)
     for patch in range(2):
         inside &= _locate_patch(
             tables, patch, shift, drop, roll - rail_roll, yaw, description, out[patch]
@@ -169,7 +169,7 @@ def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
         return inside
     local = tables.wheel_radius + description[3] - drop
     curvature_a, curvature_b = 0.5 / (local * norm), description[4]
-    ellipse = np.empty(6)
+    ellipse = on_stack(6)
     lookup_ellipse(tables, curvature_a, curvature_b, ellipse)
     mean_radius = 0.5 / math.sqrt(curvature_a * curvature_b)
     stiffness = tables.stiffness_override
