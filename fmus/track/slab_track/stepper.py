@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from slab_track.alignment import aligned
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
 from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT, ContactTables
@@ -110,14 +111,15 @@ class Stepper:
         waves, count = self._linear.rail.wave_number.size, p.wheelset_count
         half = half_size(self._linear.fastener_count)
         modes = self._linear.slab_count * max(s.omega_squared.size for s in self._linear.slabs)
-        parts = (
+        changing = self._irregularity.data  # keeps blocks that it computes when it needs them
+        constant = (
             rail_operator(self._linear, step),
             class_operator(self._linear, step, SYMMETRIC),
             class_operator(self._linear, step, ANTISYMMETRIC),
             lateral_constants(self._lateral, step),
             self._contact,
             fastsim_grid(p.contact.fastsim_columns, p.contact.fastsim_strips),
-            self._irregularity.data,
+            changing,
             Settings(
                 interface=self._interface,
                 moves_sideways=self.moves_sideways,
@@ -134,6 +136,7 @@ class Stepper:
             FreeStep.empty(count, half),
             Interaction.empty(count),
         )
+        parts = [part if part is changing else aligned(part) for part in constant]
         return pack(*parts), steps, step, parts
 
     @property
