@@ -27,7 +27,7 @@ from slab_track.oscillators import add_force, step_damped
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.state import ROW
-from slab_track.stepping import begin, finish
+from slab_track.stepping import advance
 from slab_track.views import class_fields, part, wheels_of
 
 _PROGRAM = "slab_track.cost"
@@ -62,8 +62,7 @@ def step_cost(
     operator, steps, _, _kept = model.stepper.operator(step)
     new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
 
-    begin(operator, state.vector, new, motion, state.time, False, 0)
-    finish(operator, state.vector, new, none, 0)
+    advance(operator, state.vector, new, motion, state.time, False, none, 0)
     parts = {
         "contact_geometry": _compiled(_locate, operator, new),
         "fastsim": _compiled(_creep, operator, new),
@@ -71,8 +70,8 @@ def step_cost(
     }
     touching = _compiled(_touch, operator, new, none)
     moving = _repeated(
-        lambda: begin(operator, state.vector, new, motion, state.time, False, 0)
-    ) + _repeated(lambda: finish(operator, state.vector, new, none, 0))
+        lambda: advance(operator, state.vector, new, motion, state.time, False, none, 0)
+    )
     parts["rails"] = moving - touching - parts["slabs"]
     parts["forces"] = touching - parts["contact_geometry"] - parts["fastsim"]
     whole = steps * _repeated(lambda: model.step(state, motion, step))

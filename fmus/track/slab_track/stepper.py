@@ -42,8 +42,7 @@ from slab_track.stepping import (
     Settings,
     TrackOperator,
     WindowLimits,
-    begin,
-    finish,
+    advance,
     pack,
 )
 from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
@@ -196,18 +195,14 @@ class Stepper:
             applied = self._on_axis(applied_force)
         start = float(old[TIME])
         instant = start + dt if at_end else start
-        found = begin(operator, old, new, motion, instant, True, 0)
+        found = advance(operator, old, new, motion, instant, True, applied, 0)
         if found == SLIDE_DUE:
             old = self._slide_along(old, self._path(new, steps, step))
-            found = begin(operator, old, new, motion, instant, False, 0)
-        if found == GOOD:
-            found = finish(operator, old, new, applied, 0)
-        for turn in range(1, steps if found == GOOD else 0):
-            between = new.copy()
-            begin(operator, between, new, motion, instant, False, turn)
-            found = finish(operator, between, new, applied, turn)
-            if found != GOOD:
-                break
+            found = advance(operator, old, new, motion, instant, False, applied, 0)
+        turn = 1
+        while found == GOOD and turn < steps:
+            found = advance(operator, new.copy(), new, motion, instant, False, applied, turn)
+            turn += 1
         if found != GOOD:
             raise TrackError(self._why(found, old, new, steps, step))
         new[TIME] = start + dt

@@ -1,8 +1,4 @@
-"""The whole track over a communication step, in compiled parts.
-
-For each internal step :func:`begin` and :func:`finish` are called one after the other. As one
-function they would take twice as long to compile.
-"""
+"""The whole track over an internal step, in compiled code."""
 
 import math
 from typing import NamedTuple
@@ -293,8 +289,8 @@ def _place_wheels(op, new, turn):
 
 
 @entry
-def begin(op, old, new, motion, time, may_slide, turn):
-    """Step rails and slabs without wheel forces to the end of an internal step.
+def advance(op, old, new, motion, time, may_slide, applied, turn):
+    """Make an internal step.
 
     At the start of a communication step the wheelsets' motion is taken in before, and it is seen
     where it leads.
@@ -305,20 +301,30 @@ def begin(op, old, new, motion, time, may_slide, turn):
         :class:`TrackOperator`.
     old, new
         Vector of the state at the start, and the one that is to receive the state at the end;
-        for further internal steps it is what :func:`finish` left, and ``old`` a copy of it.
+        for further internal steps it is what the one before left, and ``old`` a copy of it.
     motion
         Wheelset motion at the instant ``time`` (s), (wheelsets, 11).
     may_slide
         False to go on where a slide is due.
+    applied
+        Forces on the rails' axes for APPLIED, (wheels, 2, 3).
     turn
-        Number of the internal step, 0 for the first one.
+        Number of the internal step, 0 for the first one; after the last one the state's answers
+        are written.
 
     Returns
     -------
     int
         GOOD, or why the step cannot be made.
     """
-    old, new, motion = borrowed(old), borrowed(new), borrowed(motion)
+    old, new, motion, applied = borrowed(old), borrowed(new), borrowed(motion), borrowed(applied)
+    found = _begin(op, old, new, motion, time, may_slide, turn)
+    return found if found != GOOD else _finish(op, old, new, applied, turn)
+
+
+@kernel
+def _begin(op, old, new, motion, time, may_slide, turn):
+    """Step rails and slabs without wheel forces to the end of an internal step."""
     if turn == 0:
         found = _take_motion(op, old, new, motion, time)
         if found != GOOD:
@@ -355,25 +361,9 @@ def begin(op, old, new, motion, time, may_slide, turn):
     return GOOD
 
 
-@entry
-def finish(op, old, new, applied, turn):
-    """Find the forces between wheels and rails, and add what they and the fasteners do.
-
-    Parameters
-    ----------
-    op, old, new
-        As for :func:`begin`; ``old`` at the start of this internal step.
-    applied
-        Forces on the rails' axes for APPLIED, (wheels, 2, 3).
-    turn
-        Number of the internal step; after the last one the state's answers are written.
-
-    Returns
-    -------
-    int
-        GOOD or NO_SOLUTION.
-    """
-    old, new, applied = borrowed(old), borrowed(new), borrowed(applied)
+@kernel
+def _finish(op, old, new, applied, turn):
+    """Find the forces between wheels and rails, and add what they and the fasteners do."""
     count, starts = op.scratch.x.size, op.starts
     row = shaped(new, starts[ROW], (count, 11))
     wheels = wheels_of(new, starts, count)
