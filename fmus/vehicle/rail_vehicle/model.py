@@ -357,7 +357,7 @@ class VehicleModel:
             raise StepError(self._why(found, vector, result))
 
     def _make(self, dt: float) -> tuple[float, Any, int, tuple[Array, ...]]:
-        """Pack what a step of ``dt`` s takes; return ``dt``, that, how many parts, what it refers to."""
+        """Return ``dt`` (s), what its step takes, how many parts it has, and what must be kept."""
         count, of = self._count(dt), self._outputs
         parts = (
             *self._operators[dt / count],
