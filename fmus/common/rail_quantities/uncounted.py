@@ -34,9 +34,10 @@ def _strip(context: Any, builder: Any, kind: Any, value: Any) -> Any:
         _disown(array)
         return array._getvalue()
     if isinstance(kind, types.BaseTuple):
+        kinds: Any = kind
         parts = [
             _strip(context, builder, part, builder.extract_value(value, place))
-            for place, part in enumerate(kind)
+            for place, part in enumerate(kinds)
         ]
         return context.make_tuple(builder, kind, parts)
     return value

@@ -69,9 +69,14 @@ class Interaction(NamedTuple):
     @classmethod
     def empty(cls, wheels: int) -> "Interaction":
         """Return room for ``wheels``."""
-        among = [np.zeros((wheels, wheels)) for _ in range(2)]
-        own = [np.zeros((wheels, 3, 3)) for _ in range(2)]
-        return cls(np.zeros((wheels, 2, 6)), *among, *own, np.zeros((wheels, 2, 3)))
+        return cls(
+            free=np.zeros((wheels, 2, 6)),
+            same=np.zeros((wheels, wheels)),
+            cross=np.zeros((wheels, wheels)),
+            compliance=np.zeros((wheels, 3, 3)),
+            mobility=np.zeros((wheels, 3, 3)),
+            others=np.zeros((wheels, 2, 3)),
+        )
 
 
 @kernel

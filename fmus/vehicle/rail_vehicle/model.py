@@ -173,7 +173,7 @@ class VehicleModel:
         self.output_table: tuple[Output, ...] = self._outputs.table
         self._index = {output.name: place for place, output in enumerate(self.output_table)}
         self.internal_step = self._longest_step()
-        self._made: tuple[float, Any, int, tuple[Array, ...]] = (math.nan, None, 0, ())
+        self._made: tuple[float, Any, int, tuple[Any, ...]] = (math.nan, None, 0, ())
 
     def _rolling_spin(self, speed: float) -> float:
         return -speed / self.parameters.wheelset.radius
@@ -356,7 +356,7 @@ class VehicleModel:
         if found != GOOD:
             raise StepError(self._why(found, vector, result))
 
-    def _make(self, dt: float) -> tuple[float, Any, int, tuple[Array, ...]]:
+    def _make(self, dt: float) -> tuple[float, Any, int, tuple[Any, ...]]:
         """Return ``dt`` (s), what its step takes, how many parts it has, and what must be kept."""
         count, of = self._count(dt), self._outputs
         parts = (
