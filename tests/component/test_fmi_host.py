@@ -17,7 +17,7 @@ from fmi_builds import (
 )
 from rail_fmi.builder import build_fmu
 
-START = "import sys, gc, math; from fmu_host import Host; F = sys.argv[1]\n"
+START = "import sys, gc, math, struct; from fmu_host import Host; F = sys.argv[1]\n"
 
 
 def run(code: str, *more: object, **keywords: object) -> list[str]:
@@ -175,6 +175,25 @@ def test_input_that_is_not_finite_is_named_after_it_came_with_a_state():
         host.set(force=1.0); assert host.step() is None
         host.fmu.setFMUstate(state); assert host.step() == 2
         assert "values must be finite: force = nan" in host.texts()[0]
+        host.fmu.freeFMUstate(state); host.close()
+    """)
+
+
+def test_packed_outputs_are_the_single_ones():
+    """In the order of the description: reals, then integers; alone or among other texts."""
+    run("""
+        host = Host(F).initialize(force=3.0, spring__law="cubic"); host.step(17)
+        outputs = [v for v in host.about.modelVariables if v.causality == "output"]
+        names = [v.name for kind in ("Real", "Integer") for v in outputs if v.type == kind]
+        wanted = struct.pack(f"<{len(names)}d", *[host.get(name) for name in names])
+        assert "steps" in names and host.get("steps") == 17
+        assert bytes.fromhex(host.get("outputs.packed")) == wanted
+        packed, say = (host.vars[name].valueReference for name in ("outputs.packed", "say"))
+        texts = host.fmu.getString([say, packed, say])
+        assert bytes.fromhex(texts[1].decode()) == wanted and texts[0] == texts[2] != texts[1]
+        state = host.fmu.getFMUstate(); before = host.fmu.serializeFMUstate(state)
+        host.get("outputs.packed"); host.fmu.freeFMUstate(state)
+        state = host.fmu.getFMUstate(); assert host.fmu.serializeFMUstate(state) == before
         host.fmu.freeFMUstate(state); host.close()
     """)
 

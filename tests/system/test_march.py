@@ -4,6 +4,7 @@ import contextlib
 
 import numpy as np
 import pytest
+from rail_cosim import packed
 from rail_cosim.algorithms import make_algorithm
 from rail_cosim.errors import SlaveError
 from rail_cosim.fmu import FmuSlave
@@ -90,3 +91,46 @@ def test_a_step_may_be_taken_in_compiled_code_after_one_in_python():
         run.run(707)
         rows = run.recorder.rows(0, len(run.recorder))
     assert np.array_equal(rows, outcome_of(False, 707)[1])
+
+
+def test_outputs_are_read_as_one_text_of_each():
+    with simulation(True) as (run, system):
+        run.run(10)
+        numbers = [len(port.outputs.names) + len(port.counters.names) for port in system.ports]
+        assert [len(part) for part in np.split(run._march._targets, run._march._ends[1:-1])] == (
+            numbers
+        )
+
+
+class Untrue(FmuSlave):
+    """An FMU whose text says something else than its variables."""
+
+    def get(self, names):
+        values = super().get(names)
+        if packed.NAME in values:
+            values[packed.NAME] = self.text(values[packed.NAME])
+        return values
+
+
+@pytest.mark.parametrize(
+    "text", [lambda text: "", lambda text: "z" + text[1:], lambda text: "f" + text[1:]]
+)
+def test_a_text_that_is_not_the_outputs_is_not_used(monkeypatch, text):
+    monkeypatch.setattr(Untrue, "text", staticmethod(text), raising=False)
+    monkeypatch.setattr(f"{__name__}.FmuSlave", Untrue)
+    with simulation(True) as (run, _):
+        run.run(250)
+        assert len(run._march._targets) == 0
+        rows = run.recorder.rows(0, len(run.recorder))
+    assert np.array_equal(rows, outcome_of(False, 250)[1])
+
+
+@pytest.mark.parametrize("cut", [0, 8, 16, 17, 40])
+def test_a_text_that_is_too_short_is_noticed(cut):
+    numbers = np.array([1.5, -2.25e-300, np.nan, 4e17])
+    text = np.frombuffer(numbers.tobytes().hex().encode() + bytes(32), dtype=np.uint8).copy()
+    bits = np.zeros(4, dtype=np.uint64)
+    assert packed.unpack(text.ctypes.data, bits)
+    assert bits.tobytes() == numbers.tobytes()
+    text[cut] = 0
+    assert not packed.unpack(text.ctypes.data, bits)
