@@ -98,7 +98,7 @@ def test_a_resting_ring_stays_at_rest_under_forces_in_all_directions():
     row = np.zeros((1, 11))
     row[0, 0] = 0.13
     state = model.initial_state(row)
-    axis = model._on_axis(load)
+    axis = model.stepper.on_axis(load)
     rest = rails_at_rest(model.linear, model.lateral, row[:, 0] - state.window_start, axis)
     state = state.replace(
         symmetric=model._field(0, rest.vertical[0]), antisymmetric=model._field(1, rest.vertical[1])

@@ -88,12 +88,18 @@ def test_moving_mass_ends_before_the_wheel_leaves_the_window():
     model = TrackModel(parameters)
     state = model.initial_state(_motion([0.0], 80.0))
     x = 0.0
-    while x < 8.0:
+
+    def step():
+        nonlocal state, x
         state, _ = model.step(state, _motion([x], 80.0), 1e-2)
         x += 0.8
+
+    window_end = state.window_start + parameters.window_length
+    while x < window_end - 3.0 - 0.8:
+        step()
     assert state.slide_count == 0
     with pytest.raises(TrackError, match=r"within 3 m of the ends.*window\.method = moving_mass"):
-        model.step(state, _motion([x + 20.0], 80.0), 1e-2)
+        step()
 
 
 def test_offset_of_the_vehicle_must_leave_room_at_the_ends():

@@ -91,3 +91,13 @@ def test_the_stack_takes_numbers_of_the_source_only():
 
     with pytest.raises(numba.core.errors.TypingError):
         of_any_size(3)
+
+
+def test_arrays_that_are_not_contiguous_are_refused():
+    @numba.njit
+    def in_a_row(array):
+        return flat(array).size
+
+    assert in_a_row(np.zeros((2, 3))) == 6
+    with pytest.raises(numba.core.errors.TypingError):
+        in_a_row(np.zeros((2, 3)).T)

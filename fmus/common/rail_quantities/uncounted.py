@@ -48,8 +48,17 @@ def _disown(array: Any) -> None:
         setattr(array, name, ir.Constant(getattr(array, name).type, None))
 
 
+def _is_contiguous(array: Any) -> bool:
+    return isinstance(array, types.Array) and array.layout == "C"
+
+
 def _make_shaped(typing: Any, array: Any, first: Any, shape: Any) -> Any:
-    """Return the part of a vector from the place ``first`` on in a shape, as :func:`borrowed`."""
+    """Return the part of a contiguous array from the place ``first`` on in a shape.
+
+    Its references are not counted, as with :func:`borrowed`.
+    """
+    if not _is_contiguous(array):
+        return None
     kind = types.Array(array.dtype, len(shape), "C")
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -63,6 +72,8 @@ def _make_shaped(typing: Any, array: Any, first: Any, shape: Any) -> Any:
 
 def _make_flat(typing: Any, array: Any) -> Any:
     """Return all of a contiguous array in one row, as :func:`borrowed`."""
+    if not _is_contiguous(array):
+        return None
     kind = types.Array(array.dtype, 1, "C")
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:

@@ -192,7 +192,7 @@ class Stepper:
         operator, steps, step, _kept = self.operator(dt)
         applied = self._no_force
         if self._interface == APPLIED:
-            applied = self._on_axis(applied_force)
+            applied = self.on_axis(applied_force)
         start = float(old[TIME])
         instant = start + dt if at_end else start
         found = advance(operator, old, new, motion, instant, True, applied, 0)
@@ -282,10 +282,10 @@ class Stepper:
             f"{roll * 1e3:.2f} mrad): {_NO_FORCE if far[worst] < _NEARLY else _DERAILED}"
         )
 
-    def _on_axis(self, head: np.ndarray | None) -> np.ndarray:
+    def on_axis(self, head: np.ndarray | None) -> np.ndarray:
         """Move forces from the rails' heads to their axes, (wheelsets, 2, 3)."""
         if head is None:
             raise TrackError("interface = applied_force needs the forces at the rail heads")
-        axis = np.array(head, dtype=float)
+        axis = np.array(head, dtype=float, order="C")
         axis[:, :, 2] += self._p.rail.axis_depth * axis[:, :, 0]
         return axis
