@@ -60,7 +60,7 @@ def begin(model, motion):
     return model.with_motion(state, motion)
 
 
-@counts(10, 100)
+@counts(10, 200)
 def test_every_track_rests_under_its_wheelsets(count, contact):
     """Both on smooth rails and on irregular ones, wheelsets beside the middle."""
 
@@ -81,13 +81,16 @@ def test_every_track_rests_under_its_wheelsets(count, contact):
             after, out = model.step(after, motion, STEP)
         # A wheel's place between two rows of the step's tables: a nanometre, some newtons.
         np.testing.assert_allclose(out.contact[:, :3], first.contact[:, :3], atol=1e-3 * load)
+        # The step's tables against exact statics: an offset of some 10 nm, which stays. Of the
+        # larger deflection: beside a rail that carries all, the other one hardly moves.
         deflection = state.rail_deflection
-        np.testing.assert_allclose(after.rail_deflection, deflection, rtol=3e-5)
+        large = np.abs(deflection).max()
+        np.testing.assert_allclose(after.rail_deflection, deflection, rtol=0, atol=1e-4 * large)
 
     holds()
 
 
-@counts(10, 100)
+@counts(10, 300)
 def test_no_track_gives_more_than_it_got(count, contact):
     """From rest the work of any forces on the rail heads is stored or lost: never negative."""
     loose = SMALL.replace(interface="applied_force", static_wheel_load=0.0)
@@ -117,7 +120,7 @@ def test_no_track_gives_more_than_it_got(count, contact):
     holds()
 
 
-@counts(8, 60)
+@counts(8, 200)
 def test_every_track_mirrors_its_mirror_image(count, contact):
     """Wheelsets that move sideways, roll and yaw over irregular rails, the left one jointed."""
 
