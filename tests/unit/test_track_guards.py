@@ -178,3 +178,11 @@ def test_rails_that_are_no_number_do_not_pass_for_no_contact(contact):
     state.symmetric.rail[0, 0, 3] = np.nan
     with pytest.raises(TrackError, match="at t = 0 s, wheelset 1 at"):
         model.step(state, row, STEP)
+
+
+@pytest.mark.parametrize("dt", [0.0, -1e-4, np.nan, np.inf, 1e3, 1e300])
+def test_impossible_and_endless_steps_are_refused_at_once(model, dt):
+    row = np.zeros((1, 11))
+    row[0, 0] = model.default_positions()[0]
+    with pytest.raises(TrackError, match=r"step size .* at most 1 s, 10000 internal steps"):
+        model.step(model.initial_state(row), row, dt)

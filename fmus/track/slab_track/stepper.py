@@ -48,6 +48,9 @@ from slab_track.stepping import (
 from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
 from slab_track.window import END_MARGIN, near_the_end, place_window, slide_fields
 
+_MOST_STEPS = 10_000
+"""Internal steps in a communication step: the way in all of them is kept."""
+
 _DERAILED = (
     f"a wheel left its rail: its lateral displacement or roll is beyond {LATERAL_LIMIT * 1e3:g} mm "
     f"or {ROLL_LIMIT * 1e3:g} mrad from the rail's own (derailment)"
@@ -105,6 +108,11 @@ class Stepper:
         The last one is what the operator refers to, to be kept as long as it is used.
         """
         p = self._p
+        if not 0.0 < duration <= _MOST_STEPS * p.integration.maximum_step:
+            raise TrackError(
+                f"step size {duration!r} s: must be positive and finite, and at most "
+                f"{_MOST_STEPS * p.integration.maximum_step:g} s, {_MOST_STEPS} internal steps"
+            )
         steps = max(1, math.ceil(duration / p.integration.maximum_step - 1e-9))
         step = duration / steps
         waves, count = self._linear.rail.wave_number.size, p.wheelset_count

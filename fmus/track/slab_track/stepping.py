@@ -395,6 +395,7 @@ def _finish(op, old, new, applied, turn):
     if turn == op.scratch.path.shape[0] - 1:
         report_rails(op.at, wheels)
         answer(wheels, settings.axis_depth, shaped(new, starts[ANSWER], (ANSWERS, count, 2)))
+        # No comparison sees what is no number: it would pass for a wheel without contact.
         for place in range(starts[WHEELSET], starts[ANSWER + 1]):
             if not math.isfinite(new[place]):
                 return NO_SOLUTION
