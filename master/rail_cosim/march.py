@@ -14,13 +14,14 @@ from typing import Any, cast
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from rail_cosim import packed
 from rail_cosim.exchange import Port
 from rail_cosim.fmu import FmuSlave, FmuVector
+from rail_cosim.kept_code import compiled
 from rail_cosim.packed import unpack
 from rail_cosim.recorder import Recorder
 from rail_cosim.system import SystemStructure
@@ -83,7 +84,7 @@ _vector_call: Any = intrinsic(_make_vector_call)
 _step_call: Any = intrinsic(_make_step_call)
 
 
-@njit(cache=True)
+@compiled
 def _set_inputs(call: Any, feeds: Array, board: Array, sources: Any, first: int) -> int:
     for index in range(call[_INPUT_COUNT]):
         feeds[first + index] = board[sources[first + index]]
@@ -94,7 +95,7 @@ def _set_inputs(call: Any, feeds: Array, board: Array, sources: Any, first: int)
     )
 
 
-@njit(cache=True)
+@compiled
 def _read_text(call: Any, text: Any, targets: Any, bits: Any, board: Array, counters: Any) -> int:
     """Read all outputs of an FMU as one text, (n,) numbers with places ``targets`` (n,)."""
     status = _vector_call(
@@ -113,7 +114,7 @@ def _read_text(call: Any, text: Any, targets: Any, bits: Any, board: Array, coun
     return status
 
 
-@njit(cache=True)
+@compiled
 def _march(
     calls: Any,
     firsts: Any,

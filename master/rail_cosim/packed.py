@@ -11,13 +11,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 from numba.np.numpy_support import carray
 from numpy.typing import NDArray
 
 from rail_cosim.exchange import Port
 from rail_cosim.fmu import FmuSlave
+from rail_cosim.kept_code import compiled
 
 NAME = "outputs.packed"
 """String variable: all real outputs, then all integer ones, in the order of the description."""
@@ -36,7 +37,7 @@ def _make_words(typing: Any, address: Any) -> Any:
 _words: Any = intrinsic(_make_words)
 
 
-@njit(cache=True)
+@compiled
 def _number(digits: Any) -> Any:
     """Return the four bytes of eight hexadecimal digits that are the bytes of a word."""
     ones, low = np.uint64(0x0101010101010101), np.uint64(0x0F0F0F0F0F0F0F0F)
@@ -47,7 +48,7 @@ def _number(digits: Any) -> Any:
     return (fours | (fours >> np.uint64(16))) & np.uint64(0x00000000FFFFFFFF)
 
 
-@njit(cache=True)
+@compiled
 def unpack(address: int, values: Any) -> bool:
     """Fill ``values`` (uint64, the bits of the numbers) from a text; False if it is too short.
 
