@@ -287,7 +287,7 @@ class Stepper:
         x, y, _, roll = rows[worst, :4]
         return (
             f"wheelset {worst + 1} at {x:.3f} m (lateral displacement {y * 1e3:.2f} mm, roll "
-            f"{roll * 1e3:.2f} mrad): {_NO_FORCE if far[worst] < _NEARLY else _DERAILED}"
+            f"{roll * 1e3:.2f} mrad): {_DERAILED if far[worst] >= _NEARLY else _NO_FORCE}"
         )
 
     def on_axis(self, head: np.ndarray | None) -> np.ndarray:
