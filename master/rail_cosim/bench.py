@@ -27,6 +27,7 @@ from rail_cosim.runner import find_fmus, gather_parameters
 from rail_cosim.simulation import Simulation
 from rail_cosim.slave import Value
 from rail_cosim.system import SystemStructure
+from rail_cosim.threads import one_thread
 
 REPETITIONS = 5
 _WARM_UP = 200
@@ -103,6 +104,7 @@ def benchmark(
     parameters = gather_parameters(options, descriptions, presets)
     algorithm = make_algorithm(_ALGORITHM)
     with contextlib.ExitStack() as stack:
+        stack.enter_context(one_thread())
         slaves = [
             stack.enter_context(FmuSlave(descriptions[name].path, name, description=description))
             for name, description in descriptions.items()

@@ -49,6 +49,7 @@ from rail_cosim.ssp_reader import read_ssp
 from rail_cosim.steady import SteadyState, fitted_step, slab_pitch
 from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
+from rail_cosim.threads import one_thread
 from rail_cosim.trust import foreign_remark
 
 
@@ -292,6 +293,7 @@ def simulate(
     algorithm = make_algorithm(options.algorithm)
     begun = begun_run(options)
     with contextlib.ExitStack() as stack:
+        stack.enter_context(one_thread())
         note = stack.enter_context(InterruptNote())
         reporter.stage("loading the FMUs")
         slaves: list[FmuSlave] = []

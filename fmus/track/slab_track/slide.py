@@ -29,6 +29,10 @@ from slab_track.rail import RailModes
 _SEEN_EVERY = 0.25
 """Distance of the points at which the slide's residual is looked for, m."""
 
+_ONE_THREAD = 250_000
+"""Products up to which OpenBLAS starts no second thread: waiting for it would cost more than it does,
+and the sums would depend on the number of threads."""
+
 _FINE = 16
 """Sample points per wave number that stand for an integral over a tapered field."""
 
@@ -209,7 +213,10 @@ def slide_rails(
 def _moved(matrix: np.ndarray, fields: Sequence[np.ndarray]) -> list[np.ndarray]:
     """Return ``matrix`` times each row of the fields (..., N), read once for all of them."""
     count = matrix.shape[0]
-    rows = np.concatenate([field.reshape(-1, count) for field in fields]) @ matrix.T
+    old = np.concatenate([field.reshape(-1, count) for field in fields])
+    rows, width = np.empty_like(old), max(1, _ONE_THREAD // old.size)
+    for first in range(0, count, width):
+        rows[:, first : first + width] = old @ matrix[first : first + width].T
     ends = np.cumsum([field.size // count for field in fields])[:-1]
     return [
         part.reshape(field.shape) for part, field in zip(np.split(rows, ends), fields, strict=True)
