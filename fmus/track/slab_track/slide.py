@@ -30,8 +30,8 @@ _SEEN_EVERY = 0.25
 """Distance of the points at which the slide's residual is looked for, m."""
 
 _ONE_THREAD = 250_000
-"""Products up to which OpenBLAS starts no second thread: waiting for it would cost more than it does,
-and the sums would depend on the number of threads."""
+"""Products up to which OpenBLAS starts no second thread: waiting for it would cost more than it
+does, and the sums would depend on the number of threads."""
 
 _FINE = 16
 """Sample points per wave number that stand for an integral over a tapered field."""
