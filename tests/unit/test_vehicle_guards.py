@@ -203,6 +203,16 @@ def test_inputs_of_the_fmu_are_refused_in_their_step(name, value):
     assert not vehicle.do_step(STEP * FROM, STEP)
 
 
+@pytest.mark.parametrize("step", [1, 2])
+def test_inputs_that_cancel_are_refused_too(step):
+    """Set in one call, of consecutive and of other references."""
+    vehicle = slave()
+    places = vehicle.indices([NAMES[0], NAMES[step], NAMES[2 * step]]).tolist()
+    vehicle.set_real(places, [1e30, -1e30, 0.0])
+    assert not vehicle.do_step(0.0, STEP)
+    assert f"{NAMES[0]} = 1e+30" in vehicle.held_error
+
+
 def test_the_fmu_tells_the_instant_at_which_the_vehicle_flies():
     vehicle = slave()
     places = vehicle.indices([f"wheelset[{i}].contact.vertical_force" for i in range(1, 5)])

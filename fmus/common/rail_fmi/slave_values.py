@@ -17,6 +17,8 @@ from rail_fmi.variables import Variable, VariableTable
 LARGEST = 1e12
 """No input comes near this in SI units."""
 
+LARGEST_SQUARE = LARGEST**2
+
 STATUS_MESSAGE = Variable(
     "status.message",
     kind="string",
@@ -180,9 +182,11 @@ class ValueSlave(GuardedSlave):
                 raise self._refused(plan.readonly, plan.fixed)
             if plan.pack is None:
                 self.reals[plan.index] = values
+                given = self.reals[plan.index]
             else:
                 plan.pack(self._buffer, plan.place, *values)
-            if not -LARGEST < sum(values) < LARGEST:
+                given = plan.view
+            if not given.dot(given) < LARGEST_SQUARE:  # nor is it with one that is no number
                 self._suspect = True
             self._stale = self._mode == Mode.INITIALIZING
         except BaseException as error:

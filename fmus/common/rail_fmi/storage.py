@@ -20,15 +20,18 @@ class AccessPlan:
     are made once for each list.
     """
 
-    __slots__ = ("fixed", "index", "observed", "pack", "place", "readonly", "references")
+    __slots__ = ("fixed", "index", "observed", "pack", "place", "readonly", "references", "view")
 
-    def __init__(self, references: list[int], variables: Sequence[Variable]) -> None:
+    def __init__(
+        self, references: list[int], variables: Sequence[Variable], reals: np.ndarray
+    ) -> None:
         chosen = [_variable(variables, reference) for reference in references]
         self.references = list(references)
         self.index = contiguous_or_array(references)
         # From a list, packing bytes is several times as fast as numpy is.
         span = isinstance(self.index, slice)
         self.pack = struct.Struct(f"{len(references)}d").pack_into if span else None
+        self.view = reals[self.index]  # of no use where the references are not consecutive
         self.place = 8 * self.index.start if isinstance(self.index, slice) else 0
         self.readonly = next((v.name for v in chosen if not v.settable), "")
         self.fixed = next((v.name for v in chosen if v.variability == "fixed"), "")
@@ -91,7 +94,7 @@ class VariableStore:
         key = (len(references), references[0] if references else -1)
         plan = self._plans.get(key)
         if plan is None or plan.references != references:
-            plan = AccessPlan(references, self.table.of_kind["real"])
+            plan = AccessPlan(references, self.table.of_kind["real"], self.reals)
             if len(self._plans) >= _PLAN_LIMIT:
                 self._plans.clear()
             self._plans[key] = plan
