@@ -71,11 +71,13 @@ class Workshop:
                     index.unlink()
         else:
             _look_unchanged(path, before)
+        _forget_bytecode(path)
         try:
             return self.run(list(fault.tests), cache)
         finally:
             path.write_text(text, encoding="utf-8")
             os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+            _forget_bytecode(path)
 
     def _callers(self, module: str) -> set[str]:
         """Return a module and all that import it, directly or not, by their last names."""
@@ -94,6 +96,12 @@ def _is_compiled(text: str, line: int) -> bool:
                 {"entry", "kernel", "stream"} & {ast.unparse(d) for d in node.decorator_list}
             )
     return True
+
+
+def _forget_bytecode(path: Path) -> None:
+    """Remove what an isolated process of a test may have written: it goes by time and size."""
+    for file in path.parent.glob(f"__pycache__/{path.stem}.*.pyc"):
+        file.unlink()
 
 
 def _look_unchanged(path: Path, before: os.stat_result) -> None:

@@ -65,9 +65,9 @@ class SlideOperator(NamedTuple):
 
     def rows(self, values: np.ndarray, count: int) -> np.ndarray:
         """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
-        moved = np.roll(values, -count, axis=0)
-        if not self.ring:
-            moved[-count:] = 0.0
+        moved = np.empty_like(values)
+        moved[:-count] = values[count:]
+        moved[-count:] = values[:count] if self.ring else 0.0
         return moved
 
 
@@ -197,8 +197,8 @@ def slide_rails(
     rails, waves
         The same after the slide.
     """
-    deflections = [np.sum(modes.deflection * values, axis=-2) for modes, values in rails]
-    rotations = [np.sum(modes.rotation * values, axis=-2) for modes, values in rails]
+    deflections = [both_branches(modes.deflection, values) for modes, values in rails]
+    rotations = [both_branches(modes.rotation, values) for modes, values in rails]
     z = _moved(operator.deflection, [*deflections, *waves])
     psi = _moved(operator.rotation, rotations)
     moved = []
@@ -208,6 +208,11 @@ def slide_rails(
         back_psi = modes.rotation / (modes.rotation[0] ** 2 + modes.rotation[1] ** 2)
         moved.append(back_z * deflection[..., None, :] + back_psi * rotation[..., None, :])
     return moved, z[len(rails) :]
+
+
+def both_branches(weight: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return wave amplitudes (..., N) of coordinates (..., 2, N) with weights (2, N)."""
+    return weight[0] * values[..., 0, :] + weight[1] * values[..., 1, :]
 
 
 def _moved(matrix: np.ndarray, fields: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -10,7 +10,7 @@ from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack
 from slab_track.parameters import TrackParameters
 from slab_track.rail import RailModes
-from slab_track.slide import SlideOperator, keep_under_wheels, slide_rails
+from slab_track.slide import SlideOperator, both_branches, keep_under_wheels, slide_rails
 from slab_track.state import FieldState
 
 END_MARGIN = 3.0
@@ -119,7 +119,7 @@ def modal_parts(track: LinearTrack, rails: np.ndarray, slabs: Sequence[np.ndarra
     ndarray
         Shape (2, 2, P).
     """
-    waves = np.sum(track.participation * rails[:, :2], axis=2).reshape(4, -1) * track.fold_sign
+    waves = both_branches(track.participation, rails[:, :2]).reshape(4, -1) * track.fold_sign
     count = track.fastener_count
     sums = np.array([np.bincount(track.fold_index, row, count) for row in waves])
     under = [
@@ -134,7 +134,7 @@ def _residual(
 ) -> float:
     """Largest change of either rail's deflection over the common part of the windows."""
     weight = track.participation
-    jump = np.sum(weight * new, axis=1) @ operator.after
-    jump -= np.sum(weight * old, axis=1) @ operator.before
+    jump = both_branches(weight, new) @ operator.after
+    jump -= both_branches(weight, old) @ operator.before
     rails = np.sqrt(0.5) * np.array([jump[0] - jump[1], jump[0] + jump[1]])
     return float(np.max(np.abs(rails)))
