@@ -45,7 +45,7 @@ test-slow: $(TOOLS)
 soak: $(STAMP)
 	$(BIN)/python benchmarks/soak.py --kilometres 100 --out results/soak
 
-# Deliberate faults in a copy of the sources: the tests must notice each. About an hour.
+# Deliberate faults in a copy of the sources: the tests must notice each. A quarter of an hour.
 mutations: $(STAMP)
 	$(BIN)/python tests/mutations/check.py
 
