@@ -1,7 +1,8 @@
 """The step of the vehicle over plain arrays, compiled by numba.
 
-All that the step calls is in this file: numba's cache looks at the file of the
-function called from outside only, and would keep old code of others.
+Python calls it through :mod:`rail_vehicle.stepping`. Numba's cache looks at the file
+of the function called from outside only: after a change here delete ``__pycache__``
+(FMUs are safe, their cache is keyed by all sources).
 
 State vector (104): coordinates and rates of the linear system (90), pitch
 angles (4) and pitch rates (4) of the wheelsets, yaw damper forces (4),
@@ -9,13 +10,10 @@ position of the car body, its speed.
 """
 
 import math
-from typing import Any
 
-import numba
 import numpy as np
-from numba.experimental import structref
 from numpy.typing import NDArray
-from rail_quantities.uncounted import borrowed, on_stack
+from rail_quantities.uncounted import on_stack
 
 from rail_vehicle.compiled import entry, kernel
 from rail_vehicle.linear_system import FORCE_COUNT, INTERNAL_COUNT, SIGNAL_COUNT, STATE_COUNT
@@ -211,8 +209,8 @@ def clear(array: Array) -> None:
         array[index] = 0.0
 
 
-@kernel
-def write_rows(
+@entry
+def write_outputs(
     offsets: Array,
     values: Array,
     columns: NDArray[np.int32],
@@ -226,19 +224,6 @@ def write_rows(
         for place in range(row_starts[row], row_starts[row + 1]):
             total += values[place] * result[columns[place]]
         outputs[row] = total
-
-
-@entry
-def write_outputs(
-    offsets: Array,
-    values: Array,
-    columns: NDArray[np.int32],
-    row_starts: NDArray[np.int32],
-    result: Array,
-    outputs: Array,
-) -> None:
-    """Write ``offsets + rows @ result``, the rows stored sparsely."""
-    write_rows(offsets, values, columns, row_starts, result, outputs)
 
 
 @entry
@@ -457,103 +442,3 @@ def advance(
     for index in range(VECTOR_COUNT):
         beyond += abs(result[index]) > limits[index]
     return BEYOND if beyond else GOOD
-
-
-@structref.register
-class _ConstantsType(numba.types.StructRef):
-    """Numba's type of :class:`StepConstants`."""
-
-
-class StepConstants(structref.StructRefProxy):
-    """What a step takes besides state and forces, as one reference for compiled code.
-
-    Made by :func:`pack`.
-    """
-
-
-structref.define_proxy(
-    StepConstants,
-    _ConstantsType,
-    [
-        "known",
-        "internal",
-        "signals",
-        "feedback",
-        "constants",
-        "law",
-        "limits",
-        "offsets",
-        "values",
-        "columns",
-        "row_starts",
-    ],
-)
-
-
-@entry
-def pack(
-    known: Array,
-    internal: Array,
-    signals: Array,
-    feedback: Array,
-    constants: Array,
-    law: Array,
-    limits: Array,
-    offsets: Array,
-    values: Array,
-    columns: NDArray[np.int32],
-    row_starts: NDArray[np.int32],
-) -> Any:
-    """Return a :class:`StepConstants`, which refers to the arrays but does not keep them.
-
-    The first seven are described at :func:`advance`, the others at :func:`write_outputs`.
-    """
-    return StepConstants(
-        borrowed(known),
-        borrowed(internal),
-        borrowed(signals),
-        borrowed(feedback),
-        borrowed(constants),
-        borrowed(law),
-        borrowed(limits),
-        borrowed(offsets),
-        borrowed(values),
-        borrowed(columns),
-        borrowed(row_starts),
-    )
-
-
-@entry
-def step_into(
-    made: Any,
-    vector: Array,
-    forces: Array,
-    acceleration: float,
-    step: float,
-    count: int,
-    result: Array,
-    outputs: Array,
-) -> int:
-    """Advance as :func:`advance` with the :class:`StepConstants` ``made``; write the outputs.
-
-    These stay as they are if it fails.
-    """
-    result, outputs = borrowed(result), borrowed(outputs)
-    found = advance(
-        borrowed(vector),
-        borrowed(forces),
-        acceleration,
-        step,
-        count,
-        made.known,
-        made.internal,
-        made.signals,
-        made.feedback,
-        made.constants,
-        made.law,
-        made.limits,
-        result,
-    )
-    if found == GOOD:
-        write_rows(made.offsets, made.values, made.columns, made.row_starts, result, outputs)
-    return found

@@ -33,13 +33,12 @@ from rail_vehicle.kernel import (
     SPEED,
     VECTOR_COUNT,
     evaluate,
-    pack,
-    step_into,
 )
 from rail_vehicle.linear_system import FREE_COUNT, LinearSystem, assemble, first_order
 from rail_vehicle.nonlinear import largest_slopes, law_constants
 from rail_vehicle.outputs import MOTION_COUNT, Output, make_output_map
 from rail_vehicle.parameters import VehicleParameters
+from rail_vehicle.stepping import pack, step_into
 
 Array = NDArray[np.float64]
 
