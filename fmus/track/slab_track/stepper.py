@@ -205,7 +205,7 @@ class Stepper:
         instant = start + dt if at_end else start
         found = advance(operator, old, new, motion, instant, True, applied, 0)
         if found == SLIDE_DUE:
-            old = self._slide_along(old, self._path(new, steps, step))
+            old = self._slide_along(old, self.path(new, steps, step))
             found = advance(operator, old, new, motion, instant, False, applied, 0)
         turn = 1
         while found == GOOD and turn < steps:
@@ -215,8 +215,11 @@ class Stepper:
             raise TrackError(self._why(found, old, new, steps, step))
         new[TIME] = start + dt
 
-    def _path(self, vector: np.ndarray, steps: int, step: float) -> np.ndarray:
-        """Motion at the end of each internal step, (steps, wheelsets, 11)."""
+    def path(self, vector: np.ndarray, steps: int, step: float) -> np.ndarray:
+        """Return the motion at the end of each internal step, (steps, wheelsets, 11).
+
+        ``vector`` is of a state, ``step`` in s.
+        """
         view, time = self._layout.view, vector[[TIME, POINT_TIME, PREVIOUS_TIME]]
         points = view(vector, MOTION_NOW), view(vector, MOTION_BEFORE), view(vector, RATES_SEEN)
         path = np.empty((steps, *points[0].shape))
@@ -271,7 +274,7 @@ class Stepper:
                 f"at {speed:g} m/s: longitudinal_position jumps"
             )
         if found == NEAR_THE_END:
-            x = self._path(new, steps, step)[:, :, 0]
+            x = self.path(new, steps, step)[:, :, 0]
             return near_the_end(self._p, state.window_start, state.time, x)
         rows, wheels = self._layout.view(new, ROW), state.wheels
         return f"at t = {state.time - step:g} s, {self._where(rows, wheels)}"

@@ -1,5 +1,6 @@
 """The vehicle as an FMI slave: a thin mapping between variables and the model."""
 
+import contextlib
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -127,6 +128,16 @@ class VehicleSlave(RailSlave):
             self.reals[vertical] = load
         self._followed = (parameters.speed, load)
         self._speed_is_set = not unset_speed
+
+    def start(self) -> None:
+        """Compile before time matters: a step of no consequence."""
+        step = self._model.internal_step
+        memory = ForceMemory(self._memory.history)
+        forces = memory.take(self._forces, 0.0, step, self._order, at_end=self._at_end)
+        with contextlib.suppress(errors.StepError):  # it comes again where it can be dealt with
+            self._model.step_into(
+                self._vector, forces, step, None, self._next.copy(), self._outputs.copy()
+            )
 
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
