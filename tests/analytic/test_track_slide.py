@@ -9,9 +9,9 @@ from slab_track.contact import ContactParameters
 from slab_track.irregularity import IrregularityParameters
 from slab_track.irregularity.parameters import RailJointParameters
 from slab_track.parameters import Fastener, Rail, Slab, Window
-from slab_track.slide import slide_operator, slide_rail
+from slab_track.slide import ByMatrix, BySamples, slide_operator, slide_rail
+from slab_track.state import FASTENER_FORCE, TrackState
 from slab_track.statics import static_coordinates
-from slab_track.window import modal_parts
 
 VERTICAL = ContactParameters(model="vertical")
 LOAD = HD.static_wheel_load
@@ -54,6 +54,120 @@ def test_a_smooth_local_field_moves_exactly(solver, samples, pitches, taper):
     )
 
 
+def _matrix(slide, count):
+    """The linear map as a matrix: its answers to unit waves are the columns."""
+    return slide(np.eye(count)).T
+
+
+@pytest.mark.parametrize("taper", [0.0, 12.0])
+@pytest.mark.parametrize("pitches", [1, 2])
+@pytest.mark.parametrize(("slabs", "modes", "samples"), [(16, 315, 400), (5, 60, 65), (5, 64, 65)])
+def test_transforms_are_the_least_squares(slabs, modes, samples, pitches, taper):
+    """Eq. (11) through two transforms, and with its matrices written out and factorised."""
+    p = HD.replace(rail=Rail(mode_count=modes), window=Window(slab_count=slabs))
+    rail, shift = TrackModel(p).linear.rail, pitches * p.pitch
+    operator = slide_operator(
+        rail,
+        length=p.window_length,
+        shift=shift,
+        sample_count=samples,
+        solver="least_squares",
+        taper=taper,
+    )
+    x = (np.arange(samples) + 0.5) * p.window_length / samples
+    rise = np.sin(0.5 * np.pi * np.minimum(x / taper, 1.0)) ** 2 if taper else 1.0
+    part = np.where(x + shift < p.window_length, rise, 0.0)[:, None]
+    for shapes, slide in (
+        (rail.waves.shapes, operator.deflection),
+        (rail.waves.rotation_shapes, operator.rotation),
+    ):
+        assert isinstance(slide, BySamples)
+        target = part * shapes(x + shift).T
+        solution = np.linalg.lstsq(shapes(x).T, target, rcond=None)[0]
+        np.testing.assert_allclose(_matrix(slide, modes), solution, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("samples", [331, 394, 1260])
+def test_sample_points_that_do_not_divide_a_slab(samples):
+    """Then the slide is a matrix, and says the same up to what M changes."""
+    p, rail = HD, TrackModel(HD).linear.rail
+    sliding = dict(length=p.window_length, shift=p.pitch, solver="least_squares")
+    other = slide_operator(rail, sample_count=samples, **sliding)
+    usual = slide_operator(rail, sample_count=p.sample_count, **sliding)
+    assert isinstance(other.deflection, ByMatrix)
+    assert isinstance(usual.deflection, BySamples)
+    k = np.arange(p.rail_mode_count)
+    packet = np.exp(-0.5 * ((k - 140) / 16.0) ** 2) * np.sin(rail.wave_number * 40.0)
+    for name in ("deflection", "rotation"):
+        moved = [getattr(of, name)(packet[None]) for of in (other, usual)]
+        np.testing.assert_allclose(*moved, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["sliding", "cyclic"])
+def test_all_fields_of_a_state_move(method):
+    """Every number of a state of random fields, against the slide of each field by itself."""
+    p = TrackParameters(
+        contact=VERTICAL,
+        rail=Rail(mode_count=41),
+        slab=Slab(mode_count=12),
+        window=Window(slab_count=6, slide_pitches=2, method=method),
+        wheelset_count=1,
+    )
+    model, random = TrackModel(p), np.random.default_rng(7)
+    row = np.zeros((1, 11))
+    state = model.with_motion(model.initial_state(row), row)
+    old = TrackState(model.layout, random.normal(size=model.layout.size))
+    old.vector[: model.layout.starts[0]] = state.vector[: model.layout.starts[0]]
+    new = model.stepper.slide_once(old)
+    linear, bending = model.linear, model.lateral.bending
+
+    def rows(values, count):
+        """Move along the second axis."""
+        moved = np.roll(values, -count, axis=1)
+        if method == "sliding":
+            moved[:, -count:] = 0.0
+        return moved
+
+    seats = 2 * linear.seat_count
+    x = (np.arange(linear.fastener_count) + 0.5) * p.fastener.spacing
+    shapes = linear.wave_shapes(x)
+    residual = []
+    for before, after, slab in zip(
+        (old.symmetric, old.antisymmetric),
+        (new.symmetric, new.antisymmetric),
+        linear.slabs,
+        strict=True,
+    ):
+        moved = slide_rail(linear.rail, model.slide, before.rail)
+        np.testing.assert_allclose(after.rail, moved, rtol=0, atol=1e-9)
+        np.testing.assert_array_equal(after.slab, rows(before.slab, 2))
+        left_out = [
+            of.compression
+            - np.sum(linear.participation * of.rail[:2], axis=1) @ shapes
+            + (of.slab[:2] @ slab.seats).reshape(2, -1)
+            for of in (before, after)
+        ]
+        np.testing.assert_allclose(left_out[1], rows(left_out[0], seats), rtol=0, atol=1e-9)
+        residual.append(
+            np.sum(linear.participation * after.rail[0], axis=0) @ shapes[:, :-seats]
+            - np.sum(linear.participation * before.rail[0], axis=0) @ shapes[:, seats:]
+        )
+    np.testing.assert_allclose(
+        new.rails[:, :, :2], slide_rail(bending, model.slide, old.rails[:, :, :2]), atol=1e-9
+    )
+    twist = [model.slide.deflection(of[:, 2]) for of in old.rails]
+    np.testing.assert_allclose(new.rails[:, :, 2], twist, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(new.fastener_force, rows(old.fastener_force, seats))
+    jumps = np.abs([residual[0] - residual[1], residual[0] + residual[1]]) / np.sqrt(2.0)
+    # It is looked for at more points than the fasteners.
+    assert jumps.max() <= new.slide_residual * (1.0 + 1e-9) + 1e-12
+    assert new.slide_residual < 3.0 * jumps.max() + 1e-9
+    assert new.window_start == pytest.approx(old.window_start + 2 * p.pitch)
+    assert new.slide_count == old.slide_count + 1
+    unmoved = slice(model.layout.starts[0], model.layout.starts[FASTENER_FORCE])
+    np.testing.assert_array_equal(new.vector[unmoved], old.vector[unmoved])
+
+
 def test_projection_is_the_integral():
     """Closed form against quadrature, of both shapes, and least squares as M grows."""
     p = HD.replace(rail=Rail(mode_count=24))
@@ -63,16 +177,19 @@ def test_projection_is_the_integral():
     x, weight = np.polynomial.legendre.leggauss(200)
     end = p.window_length - p.pitch
     x, weight = 0.5 * end * (x + 1.0), 0.5 * end * weight
-    for shapes, matrix in (
+    for shapes, slide in (
         (rail.waves.shapes, exact.deflection),
         (rail.waves.rotation_shapes, exact.rotation),
     ):
         integral = 2.0 / p.window_length * (shapes(x) * weight) @ shapes(x + p.pitch).T
-        np.testing.assert_allclose(matrix, integral, atol=1e-12)
+        np.testing.assert_allclose(_matrix(slide, 24), integral, atol=1e-12)
     near = [
         np.abs(
-            slide_operator(rail, sample_count=m, solver="least_squares", **sliding).deflection
-            - exact.deflection
+            _matrix(
+                slide_operator(rail, sample_count=m, solver="least_squares", **sliding).deflection,
+                24,
+            )
+            - _matrix(exact.deflection, 24)
         ).max()
         for m in (64, 6400)
     ]
@@ -126,7 +243,7 @@ def test_a_taper_cuts_the_rear_end_smoothly():
     x = np.linspace(0.5, 60.0, 400)
     k = np.arange(p.rail_mode_count)
     old = np.exp(-0.5 * ((k - 60.0) / 12.0) ** 2) * np.sin(rail.wave_number * 14.0)
-    moved = (operator.deflection @ old) @ rail.waves.shapes(x)
+    moved = operator.deflection(old[None])[0] @ rail.waves.shapes(x)
     wanted = old @ rail.waves.shapes(x + shift)
     wanted *= np.sin(0.5 * np.pi * np.clip(x / 12.0, 0.0, 1.0)) ** 2
     np.testing.assert_allclose(moved, wanted, atol=2e-3 * np.abs(wanted).max())
@@ -153,10 +270,12 @@ def _statics_error(parameters):
     assert np.max(np.abs(start)) < 1e-6 * np.max(np.abs(here.rail))
     field = np.max(np.abs(shape(moved.symmetric.rail[0]) - shape(there.rail)))
     fasteners = np.max(np.abs(moved.fastener_force[0] - there.fastener))
-    rails = np.stack([moved.symmetric.rail, moved.antisymmetric.rail])
-    slabs = [moved.symmetric.slab, moved.antisymmetric.slab]
-    residual = moved.symmetric.compression - modal_parts(model.linear, rails, slabs)[0]
-    residual = np.max(np.abs(residual[0] - there.residual))
+    seats = (np.arange(model.linear.fastener_count) + 0.5) * parameters.fastener.spacing
+    wave = np.sum(weight * moved.symmetric.rail[0], axis=0)
+    by_modes = wave @ model.linear.wave_shapes(seats)
+    by_modes -= (moved.symmetric.slab[0] @ model.linear.slabs[0].seats).ravel()
+    residual = moved.symmetric.compression[0] - by_modes
+    residual = np.max(np.abs(residual - there.residual))
     return field / np.max(shape(there.rail)), fasteners / LOAD, residual, moved.slide_residual
 
 

@@ -83,7 +83,7 @@ class TrackModel:
     def prepare(self, state: TrackState) -> None:
         """Compute and compile now what the first step from ``state`` and the first slide would."""
         if self.parameters.moves:
-            _ = self.slide
+            self.stepper.slide_once(state)
             self.stepper.path(state.vector, 1, self.parameters.integration.maximum_step)
         with contextlib.suppress(TrackError):  # it comes again where it can be dealt with
             self.step(

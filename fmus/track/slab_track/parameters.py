@@ -11,6 +11,7 @@ from rail_quantities import ParameterError, ParameterSet, quantity
 
 from slab_track.contact.parameters import ContactParameters
 from slab_track.irregularity import IrregularityParameters
+from slab_track.waves import samples_per_bay
 
 WHEELSET_LIMIT = 4
 """Largest number of wheelset terminals."""
@@ -339,7 +340,8 @@ class Window(ParameterSet):
     sample_count: int = quantity(
         0,
         "1",
-        "Sample points of the least squares along the window; 0 takes 5/4 of rail.mode_count",
+        "Sample points of the least squares along the window; 0 takes the fasteners and as many "
+        "between them as give at least 6/5 of rail.mode_count",
         symbol="M",
         at_least=0,
         at_most=20000,
@@ -460,7 +462,8 @@ class TrackParameters(ParameterSet):
         count = self.rail_mode_count
         if self.window.slide_solver == "triangular":
             return self.window.sample_count or count
-        return self.window.sample_count or math.ceil(1.25 * count)
+        bay = samples_per_bay(count, self.fastener_count)
+        return self.window.sample_count or bay * self.fastener_count
 
     @property
     def support_per_area(self) -> tuple[float, float]:

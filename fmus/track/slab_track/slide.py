@@ -1,13 +1,17 @@
-r"""The slide of the window: eqs. (8)-(11) of the article as constant matrices.
+r"""The slide of the window: eqs. (8)-(11) of the article.
 
 When the window moves on by :math:`L_m`, one pitch or several, the new coordinates must
 reproduce the old field, :math:`\Phi Q = D` (eq. (10)), where D is the old field
 at the sample points moved by :math:`L_m` and zero beyond the old front end
-(eq. (9)). D is linear in the old coordinates, so a slide is one matrix for the
+(eq. (9)). D is linear in the old coordinates, so a slide is one constant linear map for the
 deflection (sines) and one for the rotation (cosines), applied to displacement,
 velocity and acceleration alike.
 
-``least_squares`` is eq. (11). For M to infinity it becomes the ``projection``
+``least_squares`` is eq. (11). At the middle of M > N equal segments the shapes are orthogonal,
+:math:`\Phi^T\Phi = \tfrac M2`, so its solution is :math:`Q = \tfrac2M\Phi^T D`; and if
+:math:`L_m` is a whole number of segments, D is the old field's own samples: a discrete sine (or
+cosine) transform there, and one back (:class:`BySamples`). Otherwise it is a matrix
+(:class:`ByMatrix`). For M to infinity it becomes the ``projection``
 
 .. math:: Q_j = \frac2l \int_0^{l-L_m} \varphi_j(x)\, u(x + L_m)\,dx,
 
@@ -18,16 +22,15 @@ back: :math:`\Delta q = \Phi_w^T(\Phi_w\Phi_w^T)^{-1} r` for the misfits r at th
 article's Fig. 5 (a).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy.fft
 import scipy.linalg
 
+from slab_track.branches import make_branches
 from slab_track.rail import RailModes
-
-_SEEN_EVERY = 0.25
-"""Distance of the points at which the slide's residual is looked for, m."""
 
 _ONE_THREAD = 250_000
 """Products up to which OpenBLAS starts no second thread: waiting for it would cost more than it
@@ -36,17 +39,80 @@ does, and the sums would depend on the number of threads."""
 _FINE = 16
 """Sample points per wave number that stand for an integral over a tapered field."""
 
+_WHOLE = 1e-9
+"""Segments by which a slide may miss a whole number of them, from rounding."""
+
+Map = Callable[[np.ndarray], np.ndarray]
+"""New wave amplitudes from old ones, (rows, N): each row for itself."""
+
+
+class ByMatrix(NamedTuple):
+    """A slide as a constant matrix, (N, N)."""
+
+    matrix: np.ndarray
+
+    def __call__(self, waves: np.ndarray) -> np.ndarray:
+        """Return the amplitudes (rows, N) after the slide."""
+        count = self.matrix.shape[0]
+        moved, width = np.empty_like(waves), max(1, _ONE_THREAD // waves.size)
+        for first in range(0, count, width):
+            moved[:, first : first + width] = waves @ self.matrix[first : first + width].T
+        return moved
+
+
+class BySamples(NamedTuple):
+    """A slide as eqs. (9) and (11) say it, by a transform to the sample points and one back.
+
+    Attributes
+    ----------
+    cosines
+        True for the rotation, whose shapes are cosines.
+    count, shift
+        Sample points M at the middle of equal segments, and how many of them the window moves.
+    kept
+        Part of the old field that stays at the M - ``shift`` sample points it covers, (M - shift,).
+    """
+
+    cosines: bool
+    count: int
+    shift: int
+    kept: np.ndarray
+
+    def __call__(self, waves: np.ndarray) -> np.ndarray:
+        """Return the amplitudes (rows, N) after the slide."""
+        old, first = _transform(waves, self.count, self.cosines), int(self.cosines)
+        moved = np.zeros(old.shape)
+        np.multiply(old[:, self.shift :], self.kept, out=moved[:, : self.count - self.shift])
+        transform = scipy.fft.dct if self.cosines else scipy.fft.dst
+        sums = transform(moved, type=2, axis=1, overwrite_x=True)
+        # Both transforms give twice the sum.
+        return sums[:, first : first + waves.shape[1]] * (0.5 / self.count)
+
+
+def samples(waves: np.ndarray, count: int) -> np.ndarray:
+    """Return sums of sines, amplitudes (rows, N), at :func:`sample_points`, (rows, count).
+
+    N must be less than ``count``.
+    """
+    return 0.5 * _transform(waves, count, cosines=False)
+
+
+def _transform(waves: np.ndarray, count: int, cosines: bool) -> np.ndarray:
+    """Return twice the fields with wave amplitudes (rows, N) at the sample points."""
+    first = int(cosines)  # the cosines' transform begins with the constant
+    padded = np.zeros((waves.shape[0], count))
+    padded[:, first : first + waves.shape[1]] = waves
+    transform = scipy.fft.dct if cosines else scipy.fft.dst
+    return transform(padded, type=3, axis=1, overwrite_x=True)
+
 
 class SlideOperator(NamedTuple):
-    """Matrices that move the modal series back by one slide.
+    """What moves the modal series back by one slide.
 
     Attributes
     ----------
     deflection, rotation
-        New wave amplitudes from old ones, both of shape (N, N).
-    before, after
-        Shapes of the deflection at points of the common part of the old and the new window,
-        (N, points), in the old and in the new window.
+        New wave amplitudes from old ones.
     ring
         True if slabs and fasteners that leave at the rear come back at the front.
     shift
@@ -55,20 +121,11 @@ class SlideOperator(NamedTuple):
         True if the rails under the wheels keep their motion exactly.
     """
 
-    deflection: np.ndarray
-    rotation: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
+    deflection: Map
+    rotation: Map
     ring: bool
     shift: float
     constrained: bool
-
-    def rows(self, values: np.ndarray, count: int) -> np.ndarray:
-        """Move what belongs to slabs or fasteners back by ``count`` rows; new ones are at rest."""
-        moved = np.empty_like(values)
-        moved[:-count] = values[count:]
-        moved[-count:] = values[:count] if self.ring else 0.0
-        return moved
 
 
 def sample_points(length: float, count: int) -> np.ndarray:
@@ -102,33 +159,54 @@ def slide_operator(
     points
         Other sample points than :func:`sample_points`, (M,), m.
     """
-    common = np.linspace(shift, length, max(2, round((length - shift) / _SEEN_EVERY)))
-    before, after = rail.waves.shapes(common), rail.waves.shapes(common - shift)
-    if rail.waves.ring:
-        turn = _rotation(rail.wave_number, shift)
-        return SlideOperator(turn, turn, before, after, ring=True, shift=shift, constrained=False)
-    if solver == "projection" and taper == 0.0:
-        deflection = _projection(rail.wave_number, length, shift, sign=-1.0)
-        rotation = _projection(rail.wave_number, length, shift, sign=1.0)
-    else:
-        if points is None:
-            fine = _FINE * rail.wave_number.size
-            points = sample_points(length, fine if solver == "projection" else sample_count)
-        kept = np.where(points + shift <= length, _rise(points, taper), 0.0)[:, None]
-        solve = scipy.linalg.solve if solver == "triangular" else _least_squares
-        deflection, rotation = (
-            solve(shapes(points).T, kept * shapes(points + shift).T)
-            for shapes in (rail.waves.shapes, rail.waves.rotation_shapes)
-        )
+    deflection, rotation = _maps(rail, length, shift, sample_count, solver, taper, points)
     return SlideOperator(
-        deflection=deflection,
-        rotation=rotation,
-        before=before,
-        after=after,
-        ring=False,
+        deflection,
+        rotation,
+        ring=rail.waves.ring,
         shift=shift,
-        constrained=solver == "constrained",
+        constrained=solver == "constrained" and not rail.waves.ring,
     )
+
+
+def _maps(
+    rail: RailModes,
+    length: float,
+    shift: float,
+    sample_count: int,
+    solver: str,
+    taper: float,
+    points: np.ndarray | None,
+) -> tuple[Map, Map]:
+    """Return what moves deflection and rotation."""
+    if rail.waves.ring:
+        turn = ByMatrix(_rotation(rail.wave_number, shift))
+        return turn, turn
+    if solver == "projection" and taper == 0.0:
+        sines = _projection(rail.wave_number, length, shift, sign=-1.0)
+        cosines = _projection(rail.wave_number, length, shift, sign=1.0)
+        return ByMatrix(sines), ByMatrix(cosines)
+    waves = rail.wave_number.size
+    count = _FINE * waves if solver == "projection" else sample_count
+    segments = shift / length * count
+    whole = round(segments)
+    if (
+        points is None
+        and solver != "triangular"
+        and count > waves
+        and abs(segments - whole) < _WHOLE
+    ):
+        kept = _rise(sample_points(length, count)[: count - whole], taper)
+        return BySamples(False, count, whole, kept), BySamples(True, count, whole, kept)
+    if points is None:
+        points = sample_points(length, count)
+    kept = np.where(points + shift <= length, _rise(points, taper), 0.0)[:, None]
+    solve = scipy.linalg.solve if solver == "triangular" else _least_squares
+
+    def solved(shapes: Callable[[np.ndarray], np.ndarray]) -> ByMatrix:
+        return ByMatrix(solve(shapes(points).T, kept * shapes(points + shift).T))
+
+    return solved(rail.waves.shapes), solved(rail.waves.rotation_shapes)
 
 
 def _rise(points: np.ndarray, taper: float) -> np.ndarray:
@@ -174,63 +252,17 @@ def _least_squares(phi: np.ndarray, target: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(scipy.linalg.solve_triangular(r, q.T @ target))
 
 
-def slide_rails(
-    operator: SlideOperator,
-    rails: Sequence[tuple[RailModes, np.ndarray]],
-    waves: Sequence[np.ndarray] = (),
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Move modal coordinates of rails by one slide, all with one product.
-
-    The branches combine to wave amplitudes of deflection and rotation, these
-    slide, and separate again. The two participation vectors are orthogonal, so
-    the way back is a projection.
-
-    Parameters
-    ----------
-    rails
-        Modes and coordinates (..., 2, N), whose modes have the same waves.
-    waves
-        Amplitudes (..., N) of fields that have one branch only.
-
-    Returns
-    -------
-    rails, waves
-        The same after the slide.
-    """
-    deflections = [both_branches(modes.deflection, values) for modes, values in rails]
-    rotations = [both_branches(modes.rotation, values) for modes, values in rails]
-    z = _moved(operator.deflection, [*deflections, *waves])
-    psi = _moved(operator.rotation, rotations)
-    moved = []
-    for (modes, _), deflection, rotation in zip(rails, z, psi, strict=False):
-        # Rows of (deflection, rotation) scaled to an orthogonal 2x2 matrix per wave number.
-        back_z = modes.deflection / (modes.deflection[0] ** 2 + modes.deflection[1] ** 2)
-        back_psi = modes.rotation / (modes.rotation[0] ** 2 + modes.rotation[1] ** 2)
-        moved.append(back_z * deflection[..., None, :] + back_psi * rotation[..., None, :])
-    return moved, z[len(rails) :]
-
-
-def both_branches(weight: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Return wave amplitudes (..., N) of coordinates (..., 2, N) with weights (2, N)."""
-    return weight[0] * values[..., 0, :] + weight[1] * values[..., 1, :]
-
-
-def _moved(matrix: np.ndarray, fields: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """Return ``matrix`` times each row of the fields (..., N), read once for all of them."""
-    count = matrix.shape[0]
-    old = np.concatenate([field.reshape(-1, count) for field in fields])
-    rows, width = np.empty_like(old), max(1, _ONE_THREAD // old.size)
-    for first in range(0, count, width):
-        rows[:, first : first + width] = old @ matrix[first : first + width].T
-    ends = np.cumsum([field.size // count for field in fields])[:-1]
-    return [
-        part.reshape(field.shape) for part, field in zip(np.split(rows, ends), fields, strict=True)
-    ]
-
-
 def slide_rail(rail: RailModes, operator: SlideOperator, coordinates: np.ndarray) -> np.ndarray:
-    """Move modal coordinates (..., 2, N) of one rail by one slide, as :func:`slide_rails`."""
-    return slide_rails(operator, [(rail, coordinates)])[0][0]
+    """Move modal coordinates (..., 2, N) of one rail by one slide.
+
+    The branches combine to wave amplitudes of deflection and rotation, these slide, and separate
+    again.
+    """
+    rows, branches = coordinates.reshape(-1, *coordinates.shape[-2:]), make_branches(rail)
+    z = operator.deflection(np.sum(branches.deflection * rows, axis=1))
+    psi = operator.rotation(np.sum(branches.rotation * rows, axis=1))
+    moved = branches.from_deflection * z[:, None] + branches.from_rotation * psi[:, None]
+    return moved.reshape(coordinates.shape)
 
 
 def keep_under_wheels(

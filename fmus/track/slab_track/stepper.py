@@ -19,6 +19,7 @@ from slab_track.lateral_step import lateral_constants
 from slab_track.motion import DEEPEST, extrapolate
 from slab_track.parameters import TrackParameters
 from slab_track.slide import SlideOperator, slide_operator
+from slab_track.sliding import WindowSlide
 from slab_track.state import (
     MOTION_BEFORE,
     MOTION_NOW,
@@ -46,7 +47,7 @@ from slab_track.stepping import (
     pack,
 )
 from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
-from slab_track.window import END_MARGIN, near_the_end, place_window, slide_fields
+from slab_track.window import END_MARGIN, near_the_end, place_window
 
 _MOST_STEPS = 10_000
 """Internal steps in a communication step: the way in all of them is kept."""
@@ -243,15 +244,10 @@ class Stepper:
             state = self.slide_once(state)
         return state.vector
 
-    def slide_once(self, state: TrackState) -> TrackState:
-        """Return the state after a slide of the window."""
-        changes, residual = slide_fields(self._linear, self._lateral, self.slide, state)
-        return state.replace(
-            **changes,
-            window_start=state.window_start + self._p.slide_length,
-            slide_count=state.slide_count + 1,
-            slide_residual=residual,
-        )
+    @functools.cached_property
+    def slide_once(self) -> WindowSlide:
+        """Makes the state after a slide of the window."""
+        return WindowSlide(self._linear, self._lateral, self.slide, self._layout)
 
     def _why(self, found: int, old: np.ndarray, new: np.ndarray, steps: int, step: float) -> str:
         """Say why a step from ``old`` was not made that has come as far as ``new``."""

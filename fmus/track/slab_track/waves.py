@@ -10,6 +10,7 @@ those of P = l/l_0 of them (up to a sign): a sum over all waves at all fasteners
 P x P product.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -70,6 +71,14 @@ def fastener_shapes(count: int, *, ring: bool = False) -> np.ndarray:
         return np.sin(np.pi / count * np.outer(np.arange(1, count + 1), place))
     shapes = waves(count, count, ring=True).shapes(place)
     return np.vstack([shapes[: count - 1], shapes[-1]])
+
+
+def samples_per_bay(waves: int, fasteners: int) -> int:
+    """Return how many sample points a bay has, so that a fifth more than waves lie in the window.
+
+    An odd number: at the middle of equal segments the fasteners are among them.
+    """
+    return 2 * math.ceil(0.5 * (1.2 * waves / fasteners - 1.0)) + 1
 
 
 def fold_table(mode_count: int, fastener_count: int, *, ring: bool = False):
