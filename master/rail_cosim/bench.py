@@ -33,6 +33,7 @@ REPETITIONS = 5
 _WARM_UP = 200
 _ALGORITHM = "gauss-seidel"
 _COST = "slab_track.cost"
+_SHARE = "slide_share"  # there of the track's time, here of the pair's
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -54,8 +55,10 @@ class Benchmark:
         so the parts may add up to a little more.
     track_microseconds_per_step
         Of the track's step, from its own package: rails, slabs, contact geometry, FASTSIM,
-        forces (wheels and rails solved together), slide, Python around them; ``slide_share``
-        is a part of the track's total (1). None for another track.
+        forces (wheels and rails solved together), slide, Python around them; and of one slide,
+        ``slide_each``. None for another track.
+    slide_share
+        Part of the slide in the computing time of the pair (1); None for another track.
     load, setup
         Loading of both FMUs, and initialisation up to the first step: compiling or loading
         the compiled code, operators, static equilibrium.
@@ -70,6 +73,7 @@ class Benchmark:
     real_time_factor: float
     microseconds_per_step: dict[str, float]
     track_microseconds_per_step: dict[str, float] | None
+    slide_share: float | None
     load: float
     setup: float
     reference_seconds_per_slab_length: float | None
@@ -144,6 +148,7 @@ def benchmark(
         real_time_factor=steps * step / median,
         microseconds_per_step={name: round(value, 2) for name, value in parts.items()},
         track_microseconds_per_step=within,
+        slide_share=None if within is None else within["slide"] / parts["total"],
         load=loaded - begin,
         setup=ready - loaded,
         reference_seconds_per_slab_length=other,
@@ -193,7 +198,9 @@ def _within_track(
         if not name.startswith("coupling."):
             command += ["--track", f"{name}={value}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return json.loads(done.stdout) if done.returncode == 0 else None
+    if done.returncode != 0:
+        return None
+    return {name: value for name, value in json.loads(done.stdout).items() if name != _SHARE}
 
 
 def _reference(script: Path) -> float:

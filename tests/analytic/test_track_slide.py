@@ -55,7 +55,7 @@ def test_a_smooth_local_field_moves_exactly(solver, samples, pitches, taper):
 
 
 def _matrix(slide, count):
-    """The linear map as a matrix: its answers to unit waves are the columns."""
+    """Return the linear map as a matrix: its answers to unit waves are the columns."""
     return slide(np.eye(count)).T
 
 

@@ -28,8 +28,10 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 import scipy.linalg
+from rail_quantities.uncounted import borrowed
 
 from slab_track.branches import make_branches
+from slab_track.compiled import entry
 from slab_track.rail import RailModes
 
 _ONE_THREAD = 250_000
@@ -42,22 +44,27 @@ _FINE = 16
 _WHOLE = 1e-9
 """Segments by which a slide may miss a whole number of them, from rounding."""
 
-Map = Callable[[np.ndarray], np.ndarray]
-"""New wave amplitudes from old ones, (rows, N): each row for itself."""
-
 
 class ByMatrix(NamedTuple):
     """A slide as a constant matrix, (N, N)."""
 
     matrix: np.ndarray
 
-    def __call__(self, waves: np.ndarray) -> np.ndarray:
-        """Return the amplitudes (rows, N) after the slide."""
-        count = self.matrix.shape[0]
-        moved, width = np.empty_like(waves), max(1, _ONE_THREAD // waves.size)
+    @property
+    def room(self) -> tuple[int, int]:
+        """Length of the rows that :meth:`move` takes, and where in them the waves begin."""
+        return self.matrix.shape[0], 0
+
+    def move(self, rows: np.ndarray) -> None:
+        """Move wave amplitudes (rows, N) in place."""
+        old, count = rows.copy(), self.matrix.shape[0]
+        width = max(1, _ONE_THREAD // rows.size)
         for first in range(0, count, width):
-            moved[:, first : first + width] = waves @ self.matrix[first : first + width].T
-        return moved
+            rows[:, first : first + width] = old @ self.matrix[first : first + width].T
+
+    def __call__(self, waves: np.ndarray) -> np.ndarray:
+        """Return wave amplitudes (rows, N) after the slide."""
+        return _moved(self, waves)
 
 
 class BySamples(NamedTuple):
@@ -70,7 +77,8 @@ class BySamples(NamedTuple):
     count, shift
         Sample points M at the middle of equal segments, and how many of them the window moves.
     kept
-        Part of the old field that stays at the M - ``shift`` sample points it covers, (M - shift,).
+        Part of the old field that stays at the M - ``shift`` sample points it covers, over 2 M,
+        (M - shift,).
     """
 
     cosines: bool
@@ -78,32 +86,47 @@ class BySamples(NamedTuple):
     shift: int
     kept: np.ndarray
 
-    def __call__(self, waves: np.ndarray) -> np.ndarray:
-        """Return the amplitudes (rows, N) after the slide."""
-        old, first = _transform(waves, self.count, self.cosines), int(self.cosines)
-        moved = np.zeros(old.shape)
-        np.multiply(old[:, self.shift :], self.kept, out=moved[:, : self.count - self.shift])
+    @property
+    def room(self) -> tuple[int, int]:
+        """As for :class:`ByMatrix`; the cosines' transform begins with the constant."""
+        return self.count, int(self.cosines)
+
+    def move(self, rows: np.ndarray) -> None:
+        """Move wave amplitudes (rows, M), zero but for N of them, in place.
+
+        Besides the N amplitudes others come about, which are not to be used.
+        """
         transform = scipy.fft.dct if self.cosines else scipy.fft.dst
-        sums = transform(moved, type=2, axis=1, overwrite_x=True)
-        # Both transforms give twice the sum.
-        return sums[:, first : first + waves.shape[1]] * (0.5 / self.count)
+        field = transform(rows, type=3, axis=1, overwrite_x=True)  # twice its value
+        move_rows(field, self.shift, self.kept)
+        rows[...] = transform(field, type=2, axis=1, overwrite_x=True)  # twice the sum
+
+    def __call__(self, waves: np.ndarray) -> np.ndarray:
+        """Return wave amplitudes (rows, N) after the slide."""
+        return _moved(self, waves)
 
 
-def samples(waves: np.ndarray, count: int) -> np.ndarray:
-    """Return sums of sines, amplitudes (rows, N), at :func:`sample_points`, (rows, count).
-
-    N must be less than ``count``.
-    """
-    return 0.5 * _transform(waves, count, cosines=False)
+Map = ByMatrix | BySamples
 
 
-def _transform(waves: np.ndarray, count: int, cosines: bool) -> np.ndarray:
-    """Return twice the fields with wave amplitudes (rows, N) at the sample points."""
-    first = int(cosines)  # the cosines' transform begins with the constant
-    padded = np.zeros((waves.shape[0], count))
-    padded[:, first : first + waves.shape[1]] = waves
-    transform = scipy.fft.dct if cosines else scipy.fft.dst
-    return transform(padded, type=3, axis=1, overwrite_x=True)
+def _moved(slide: Map, waves: np.ndarray) -> np.ndarray:
+    length, first = slide.room
+    rows, here = np.zeros((waves.shape[0], length)), slice(first, first + waves.shape[1])
+    rows[:, here] = waves
+    slide.move(rows)
+    return rows[:, here]
+
+
+@entry
+def move_rows(rows, way, kept):
+    """Move rows (k, n) back by ``way``, in place, with factors (n - way,); then come zeros."""
+    rows, kept = borrowed(rows), borrowed(kept)
+    left = rows.shape[1] - way
+    for row in range(rows.shape[0]):
+        for i in range(left):
+            rows[row, i] = kept[i] * rows[row, i + way]
+        for i in range(left, rows.shape[1]):
+            rows[row, i] = 0.0
 
 
 class SlideOperator(NamedTuple):
@@ -196,7 +219,7 @@ def _maps(
         and count > waves
         and abs(segments - whole) < _WHOLE
     ):
-        kept = _rise(sample_points(length, count)[: count - whole], taper)
+        kept = _rise(sample_points(length, count)[: count - whole], taper) / (2 * count)
         return BySamples(False, count, whole, kept), BySamples(True, count, whole, kept)
     if points is None:
         points = sample_points(length, count)

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import scipy.fft
 from rail_quantities.uncounted import borrowed
 
 from slab_track.assembly import LinearTrack
@@ -10,7 +11,7 @@ from slab_track.branches import amplitudes, make_branches, separate
 from slab_track.compiled import entry
 from slab_track.lateral import LateralTrack
 from slab_track.oscillators import copy
-from slab_track.slide import SlideOperator, keep_under_wheels, sample_points, samples
+from slab_track.slide import SlideOperator, keep_under_wheels, sample_points
 from slab_track.state import (
     COMPRESSION_A,
     COMPRESSION_S,
@@ -60,6 +61,9 @@ class WindowSlide:
         self._bay = samples_per_bay(waves.wave_number.size, track.fastener_count)
         self._points, points = self._bay * seats, self._bay * track.fastener_count
         self._shapes = waves.shapes(sample_points(track.length, points)) if waves.ring else None
+        self._z = np.empty((18, operator.deflection.room[0]))
+        self._psi = np.empty((12, operator.rotation.room[0]))
+        self._weighed = np.empty((8, waves.wave_number.size if waves.ring else points))
 
     def __call__(self, state: TrackState) -> TrackState:
         """Return the state after a slide.
@@ -71,11 +75,11 @@ class WindowSlide:
         new, view = old.copy(), state.layout.view
         before = tuple(view(old, part) for part in (RAIL_S, RAIL_A, LATERAL))
         after = tuple(view(new, part) for part in (RAIL_S, RAIL_A, LATERAL))
-        count = before[0].shape[-1]
-        z, psi = np.empty((18, count)), np.empty((12, count))
-        _gather(*before, self._branches, self._aside, z, psi)
-        z, psi = operator.deflection(z), operator.rotation(psi)
-        _scatter(z, psi, self._branches, self._aside, *after)
+        firsts = operator.deflection.room[1], operator.rotation.room[1]
+        _gather(*before, self._branches, self._aside, *firsts, self._z, self._psi)
+        operator.deflection.move(self._z)
+        operator.rotation.move(self._psi)
+        _scatter(self._z, self._psi, *firsts, self._branches, self._aside, *after)
         if operator.constrained:
             self._keep_under_wheels(state.motion[:, 0] - state.window_start, before, after)
         _move_rows(old, new, self._moving, operator.ring)
@@ -98,15 +102,15 @@ class WindowSlide:
             )
 
     def _vertical_motion(self, *rails: np.ndarray) -> np.ndarray:
-        """Return displacement, m, and velocity, m/s, of ``rails`` at the sample points.
+        """Return twice displacement, m, and velocity, m/s, of ``rails`` at the sample points.
 
         Four times two rows: both classes before, and both after the slide.
         """
-        waves = np.empty((8, rails[0].shape[-1]))
-        _weigh(self._track.participation, *rails, waves)
+        rows = self._weighed
+        _weigh(self._track.participation, *rails, rows)
         if self._shapes is None:
-            return samples(waves, self._bay * self._track.fastener_count)
-        return waves @ self._shapes
+            return scipy.fft.dst(rows, type=3, axis=1, overwrite_x=True)
+        return 2.0 * rows @ self._shapes
 
 
 def _moving_rows(layout: StateLayout, slabs: int, seats: int) -> np.ndarray:
@@ -121,7 +125,7 @@ def _moving_rows(layout: StateLayout, slabs: int, seats: int) -> np.ndarray:
 
 
 @entry
-def _gather(symmetric, antisymmetric, aside, own, other, z, psi):
+def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, psi):
     """Fill in the waves of deflection, twist and rotation of all rails.
 
     Parameters
@@ -130,33 +134,39 @@ def _gather(symmetric, antisymmetric, aside, own, other, z, psi):
         Coordinates, (3, 2, N) and (2, 3, 3, N).
     own, other
         Branches of the vertical and of the lateral motion.
+    z_first, psi_first
+        Where in their rows the waves begin; the rest is filled up with zeros.
     z, psi
-        Receive deflections of both classes and both rails aside, and their twists, (18, N); and
-        rotations, (12, N).
+        Receive deflections of both classes and both rails aside, and their twists, (18, n); and
+        rotations, (12, n).
     """
     vertical, aside = (borrowed(symmetric), borrowed(antisymmetric)), borrowed(aside)
     own, other, z, psi = borrowed(own), borrowed(other), borrowed(z), borrowed(psi)
+    z[:], psi[:] = 0.0, 0.0
+    z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
     for turn in range(2):
         for row in range(3):
             here, there = 3 * turn + row, 6 + 3 * turn + row
-            amplitudes(own.deflection, vertical[turn][row], z[here])
-            amplitudes(own.rotation, vertical[turn][row], psi[here])
-            amplitudes(other.deflection, aside[turn, row], z[there])
-            amplitudes(other.rotation, aside[turn, row], psi[there])
-            copy(aside[turn, row, 2], z[there + 6])
+            amplitudes(own.deflection, vertical[turn][row], z[here, z_first:z_end])
+            amplitudes(own.rotation, vertical[turn][row], psi[here, psi_first:psi_end])
+            amplitudes(other.deflection, aside[turn, row], z[there, z_first:z_end])
+            amplitudes(other.rotation, aside[turn, row], psi[there, psi_first:psi_end])
+            copy(aside[turn, row, 2], z[there + 6, z_first:z_end])
 
 
 @entry
-def _scatter(z, psi, own, other, symmetric, antisymmetric, aside):
+def _scatter(z, psi, z_first, psi_first, own, other, symmetric, antisymmetric, aside):
     """Fill in the coordinates of all rails from their waves, as in :func:`_gather`."""
     vertical, aside = (borrowed(symmetric), borrowed(antisymmetric)), borrowed(aside)
     own, other, z, psi = borrowed(own), borrowed(other), borrowed(z), borrowed(psi)
+    z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
     for turn in range(2):
         for row in range(3):
             here, there = 3 * turn + row, 6 + 3 * turn + row
-            separate(own, z[here], psi[here], vertical[turn][row])
-            separate(other, z[there], psi[there], aside[turn, row])
-            copy(z[there + 6], aside[turn, row, 2])
+            turned = psi[here, psi_first:psi_end], psi[there, psi_first:psi_end]
+            separate(own, z[here, z_first:z_end], turned[0], vertical[turn][row])
+            separate(other, z[there, z_first:z_end], turned[1], aside[turn, row])
+            copy(z[there + 6, z_first:z_end], aside[turn, row, 2])
 
 
 @entry
@@ -176,7 +186,7 @@ def _move_rows(old, new, moving, ring):
 
 @entry
 def _weigh(weight, symmetric_before, antisymmetric_before, symmetric, antisymmetric, waves):
-    """Fill in the waves (8, N) of displacement and velocity before and after a slide."""
+    """Fill in the waves (8, N or more) of displacement and velocity before and after a slide."""
     weight, waves = borrowed(weight), borrowed(waves)
     rails = (
         borrowed(symmetric_before),
@@ -184,9 +194,11 @@ def _weigh(weight, symmetric_before, antisymmetric_before, symmetric, antisymmet
         borrowed(symmetric),
         borrowed(antisymmetric),
     )
+    count = weight.shape[1]
+    waves[:, count:] = 0.0
     for turn in range(4):
         for row in range(2):
-            amplitudes(weight, rails[turn][row], waves[2 * turn + row])
+            amplitudes(weight, rails[turn][row], waves[2 * turn + row, :count])
 
 
 @entry
@@ -196,7 +208,7 @@ def _settle(field, points, bay, ring, symmetric, antisymmetric):
     Parameters
     ----------
     field
-        Vertical motion at the sample points, see :meth:`WindowSlide._vertical_motion`, (8, M).
+        What :meth:`WindowSlide._vertical_motion` returns, (8, M).
     points, bay
         Sample points that the window moves by, and in a bay.
     symmetric, antisymmetric
@@ -213,9 +225,9 @@ def _settle(field, points, bay, ring, symmetric, antisymmetric):
                 change = field[4 + 2 * turn + row, here]
                 if there < count:
                     change -= field[2 * turn + row, there]
-                compression[turn][row, fastener] += change
+                compression[turn][row, fastener] += 0.5 * change
     largest = 0.0
     for i in range(count - points):
         even, odd = field[4, i] - field[0, i + points], field[6, i] - field[2, i + points]
         largest = max(largest, abs(even - odd), abs(even + odd))
-    return _SQRT_HALF * largest
+    return 0.5 * _SQRT_HALF * largest
