@@ -109,7 +109,7 @@ class WindowSlide:
         rows = self._weighed
         _weigh(self._track.participation, *rails, rows)
         if self._shapes is None:
-            return scipy.fft.dst(rows, type=3, axis=1, overwrite_x=True)
+            return np.asarray(scipy.fft.dst(rows, type=3, axis=1, overwrite_x=True))
         return 2.0 * rows @ self._shapes
 
 
