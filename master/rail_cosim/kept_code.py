@@ -44,7 +44,12 @@ class CheckedFiles(IndexDataCacheFile):  # type: ignore[misc]
         return None if found is None or found[0] != key else found[1]
 
     def _load_index(self) -> dict[Any, str]:
-        return super()._load_index() if _is_whole(self._index_path) else {}
+        if not _is_whole(self._index_path):
+            return {}
+        try:
+            return super()._load_index()
+        except Exception:  # it names types that this version of the program does not have
+            return {}
 
     def _load_data(self, name: str) -> Any:
         path = self._data_path(name)

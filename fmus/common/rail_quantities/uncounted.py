@@ -1,46 +1,129 @@
 """Arrays in compiled code whose references are not counted.
 
 Numba counts the references to every array, also where a row is cut out or handed on to another
-function, each time with an atomic operation of some 20 clock cycles; and every array that a
-function makes is allocated and freed. Together that was a seventh of a macro step. Arrays of the
-caller live longer than the call, so in there they need no counting; small ones of a function's own
-have room on its stack.
+function: two calls and two atomic operations of some 20 clock cycles each, and the compiler
+can carry nothing across them. That was a fifth of a macro step. Arrays of the caller live longer than
+the call, so functions that make none need no counting: they are compiled with :data:`UNCOUNTED`. A
+function that makes arrays cannot be compiled so, nor one that returns a part of an array; numba
+says so. Small arrays of a function's own have room on its stack.
 """
 
 from typing import Any
 
+import numba
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
+from numba.core.datamodel import models, register_default
+from numba.core.registry import cpu_target
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    NativeValue,
+    infer_getattr,
+    intrinsic,
+    lower_getattr_generic,
+    typeof_impl,
+    unbox,
+)
+
+from rail_quantities.kept_code import with_checksums
+
+UNCOUNTED: dict[str, Any] = {"_nrt": False}
+"""Options of ``numba.njit`` for functions that make no arrays."""
+
+COUNTED: dict[str, Any] = {"_nrt": True}
+"""Options for functions that do, to be said where functions without counting call them."""
 
 
-def _make_borrowed(typing: Any, value: Any) -> Any:
-    """Return an array, or a tuple with arrays in it, without what references are counted in.
+class ReferenceType(types.Type):
+    """Numba's type of a :class:`Reference` to a named tuple of the type ``parts``."""
 
-    The caller must keep a reference to the original as long as it is used, or parts of it. So it is
-    for arguments, never for arrays that the compiled function makes itself.
+    def __init__(self, parts: Any) -> None:
+        self.parts = parts
+        super().__init__(name=f"Reference({parts})")
+
+
+class Reference:
+    """A named tuple, which may hold others and arrays, as one argument for compiled code.
+
+    Compiled code reads its fields by their names. What is read must not be changed meanwhile, but
+    for the contents of arrays.
+
+    Parameters
+    ----------
+    parts
+        The named tuple; it is kept.
+
+    Attributes
+    ----------
+    address
+        Where its fields lie in memory, as numba has them.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return _strip(context, builder, value, arguments[0])
+    def __init__(self, parts: Any) -> None:
+        self.parts = parts
+        kind: Any = numba.typeof(parts)
+        context: Any = cpu_target.target_context
+        size = context.get_abi_sizeof(context.get_value_type(kind))
+        self._room = np.empty(-(-size // 8))
+        self.address = self._room.ctypes.data
+        self._numba_type_ = ReferenceType(kind)
+        _store(parts, self.address)
 
-    return value(value), generate
+
+@typeof_impl.register(Reference)
+def _type_of(value: Any, _context: Any) -> Any:
+    return value._numba_type_
 
 
-def _strip(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value=value)
-        _disown(array)
-        return array._getvalue()
-    if isinstance(kind, types.BaseTuple):
-        kinds: Any = kind
-        parts = [
-            _strip(context, builder, part, builder.extract_value(value, place))
-            for place, part in enumerate(kinds)
-        ]
-        return context.make_tuple(builder, kind, parts)
+register_default(ReferenceType)(models.OpaqueModel)
+
+
+@unbox(ReferenceType)
+def _unbox(_kind: Any, value: Any, at: Any) -> Any:
+    number = at.pyapi.object_getattr_string(value, "address")
+    address = at.pyapi.long_as_voidptr(number)
+    at.pyapi.decref(number)
+    return NativeValue(address)
+
+
+@infer_getattr
+class _Fields(AttributeTemplate):
+    key = ReferenceType
+
+    def generic_resolve(self, kind: Any, name: str) -> Any:
+        parts = kind.parts
+        return parts.types[parts.fields.index(name)] if name in parts.fields else None
+
+
+@lower_getattr_generic(ReferenceType)
+def _read(context: Any, builder: Any, kind: Any, address: Any, name: str) -> Any:
+    whole = context.get_value_type(kind.parts)
+    fields = builder.bitcast(address, whole.as_pointer())
+    value = builder.load(cgutils.gep_inbounds(builder, fields, 0, kind.parts.fields.index(name)))
+    value.set_metadata("invariant.load", builder.module.add_metadata([]))
     return value
+
+
+def _make_put(typing: Any, value: Any, address: Any) -> Any:
+    """Write a value to an address."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        given, where = arguments
+        builder.store(given, builder.inttoptr(where, given.type.as_pointer()))
+        return context.get_dummy_value()
+
+    return types.void(value, types.int64), generate
+
+
+_put: Any = intrinsic(_make_put)
+
+
+@with_checksums
+@numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **UNCOUNTED)
+def _store(parts: Any, address: Any) -> None:
+    _put(parts, address)
 
 
 def _disown(array: Any) -> None:
@@ -53,10 +136,7 @@ def _is_contiguous(array: Any) -> bool:
 
 
 def _make_shaped(typing: Any, array: Any, first: Any, shape: Any) -> Any:
-    """Return the part of a contiguous array from the place ``first`` on in a shape.
-
-    Its references are not counted, as with :func:`borrowed`.
-    """
+    """Return the part of a contiguous array from the place ``first`` on in a shape."""
     if not _is_contiguous(array):
         return None
     kind = types.Array(array.dtype, len(shape), "C")
@@ -71,7 +151,7 @@ def _make_shaped(typing: Any, array: Any, first: Any, shape: Any) -> Any:
 
 
 def _make_flat(typing: Any, array: Any) -> Any:
-    """Return all of a contiguous array in one row, as :func:`borrowed`."""
+    """Return all of a contiguous array in one row."""
     if not _is_contiguous(array):
         return None
     kind = types.Array(array.dtype, 1, "C")
@@ -116,7 +196,6 @@ def _make_on_stack(typing: Any, count: Any) -> Any:
     return kind(count), generate
 
 
-borrowed: Any = intrinsic(_make_borrowed)
 shaped: Any = intrinsic(_make_shaped)
 flat: Any = intrinsic(_make_flat)
 on_stack: Any = intrinsic(prefer_literal=True)(_make_on_stack)

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from rail_quantities import ParameterError
+from rail_quantities.uncounted import on_stack, shaped
 
 from slab_track.compiled import entry
 from slab_track.contact.wheelset import NORMAL_FORCE, locate_wheel, patch_forces
@@ -24,12 +25,12 @@ from slab_track.frequency.__main__ import apply_settings
 from slab_track.interaction import interact
 from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION
-from slab_track.oscillators import add_force, step_damped
+from slab_track.oscillators import add_force, product, step_damped
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.state import ROW
 from slab_track.stepping import advance
-from slab_track.views import class_fields, part, wheels_of
+from slab_track.views import class_fields, wheels_of
 
 _PROGRAM = "slab_track.cost"
 _CALLS, _ROUNDS, _WARM_UP = 100, 15, 300
@@ -61,7 +62,7 @@ def step_cost(
     """
     model = TrackModel(parameters)
     state, motion = _run(model, speed, step)
-    operator, steps, _, _kept = model.stepper.operator(step)
+    operator, steps, _ = model.stepper.operator(step)
     new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
 
     advance(operator, state.vector, new, motion, state.time, False, none, 0)
@@ -140,8 +141,9 @@ def _compiled(loop: Callable[..., None], *arguments: Any) -> float:
 def _locate(passes, op, new):
     """Locate the patches of all wheels."""
     count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), part(new, op.starts, ROW).reshape((count, 11))
-    offset = np.zeros(2)
+    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
+    offset = on_stack(2)
+    offset[0] = offset[1] = 0.0
     for _ in range(passes):
         for wheel in range(count):
             for side in range(2):
@@ -155,7 +157,7 @@ def _locate(passes, op, new):
 def _touch(passes, op, new, applied):
     """Find the forces between wheels and rails."""
     count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), part(new, op.starts, ROW).reshape((count, 11))
+    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
     for _ in range(passes):
         interact(op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels)
 
@@ -164,7 +166,7 @@ def _touch(passes, op, new, applied):
 def _creep(passes, op, new):
     """Creepages and FASTSIM of all patches."""
     count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), part(new, op.starts, ROW).reshape((count, 11))
+    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
     for _ in range(passes):
         for wheel in range(count):
             for side in range(2):
@@ -186,9 +188,14 @@ def _slabs(passes, op, old, new):
             own = op.symmetric if symmetry == 0 else op.antisymmetric
             fields = class_fields(old, new, starts, symmetry, fasteners)
             step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
-            moved = np.dot(fields.new_slab[0].reshape((-1, own.seats.shape[0])), own.seats)
-            force = np.dot(moved, own.from_seats).ravel()
-            add_force(fields.new_slab, 0, own.slab_weight, force, step)
+            modes, count = own.seats.shape
+            slabs = fasteners // count
+            seats, modal = op.scratch.room.fasteners, op.scratch.room.slabs
+            moved, force = shaped(seats, 0, (slabs, count)), shaped(modal, 0, (slabs, modes))
+            product(shaped(fields.new_slab, 0, (slabs, modes)), own.seats, moved)
+            product(moved, own.from_seats, force)
+            all_modal = shaped(modal, 0, (slabs * modes,))
+            add_force(fields.new_slab, 0, own.slab_weight, all_modal, step)
 
 
 def main(arguments: list[str] | None = None) -> int:

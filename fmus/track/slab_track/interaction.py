@@ -155,28 +155,25 @@ def _moved_by_others(at, force, before):
 def _vertical_contact(settings, path, offsets, at, wheels):
     """Eq. (1) on a level tread: normal forces of all wheels."""
     b = settings.half_distance
-    approach = np.empty((path.shape[0], 2))
+    approach = at.others
     for wheel in range(path.shape[0]):
         for side in range(2):
             lever = b if side == 1 else -b
-            approach[wheel, side] = (
+            approach[wheel, side, 0] = (
                 path[wheel, 2]
                 + lever * path[wheel, 3]
                 - offsets[wheel, side, 0]
                 - at.free[wheel, side, 1]
             )
-    force, penetration = contact_forces(
-        approach, at.same, at.cross, wheels.normal, settings.hertz_constant
-    )
+    contact_forces(approach, at.same, at.cross, settings.hertz_constant, wheels)
     clear(wheels.wheelset)
     for wheel in range(path.shape[0]):
         for side in range(2):
             lever = b if side == 1 else -b
-            wheels.normal[wheel, side, 0] = wheels.rail_force[wheel, side, 1] = force[wheel, side]
-            wheels.located[wheel, side, 0, 0] = penetration[wheel, side]
-            wheels.forces[wheel, side, 0, 0] = force[wheel, side]
-            wheels.wheelset[wheel, 2] -= force[wheel, side]
-            wheels.wheelset[wheel, 3] -= lever * force[wheel, side]
+            force = wheels.normal[wheel, side, 0]
+            wheels.rail_force[wheel, side, 1] = wheels.forces[wheel, side, 0, 0] = force
+            wheels.wheelset[wheel, 2] -= force
+            wheels.wheelset[wheel, 3] -= lever * force
     return True
 
 

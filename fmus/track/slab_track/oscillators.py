@@ -14,7 +14,9 @@ and for the force. Coordinates are arrays with rows of displacements, velocities
 accelerations.
 """
 
-from slab_track.compiled import stream
+import numpy as np
+
+from slab_track.compiled import maker, stream
 
 
 @stream
@@ -156,3 +158,9 @@ def dot(a, b):
     for k in range(a.size):
         total += a[k] * b[k]
     return total
+
+
+@maker
+def product(a, b, out):
+    """Fill in the product (m, n) of two matrices, (m, k) and (k, n)."""
+    np.dot(a, b, out)

@@ -28,7 +28,6 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 import scipy.linalg
-from rail_quantities.uncounted import borrowed
 
 from slab_track.branches import make_branches
 from slab_track.compiled import entry
@@ -120,7 +119,6 @@ def _moved(slide: Map, waves: np.ndarray) -> np.ndarray:
 @entry
 def move_rows(rows, way, kept):
     """Move rows (k, n) back by ``way``, in place, with factors (n - way,); then come zeros."""
-    rows, kept = borrowed(rows), borrowed(kept)
     left = rows.shape[1] - way
     for row in range(rows.shape[0]):
         for i in range(left):

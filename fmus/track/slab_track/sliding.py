@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import scipy.fft
-from rail_quantities.uncounted import borrowed
 
 from slab_track.assembly import LinearTrack
 from slab_track.branches import amplitudes, make_branches, separate
@@ -140,8 +139,7 @@ def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, 
         Receive deflections of both classes and both rails aside, and their twists, (18, n); and
         rotations, (12, n).
     """
-    vertical, aside = (borrowed(symmetric), borrowed(antisymmetric)), borrowed(aside)
-    own, other, z, psi = borrowed(own), borrowed(other), borrowed(z), borrowed(psi)
+    vertical = symmetric, antisymmetric
     z[:], psi[:] = 0.0, 0.0
     z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
     for turn in range(2):
@@ -157,8 +155,7 @@ def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, 
 @entry
 def _scatter(z, psi, z_first, psi_first, own, other, symmetric, antisymmetric, aside):
     """Fill in the coordinates of all rails from their waves, as in :func:`_gather`."""
-    vertical, aside = (borrowed(symmetric), borrowed(antisymmetric)), borrowed(aside)
-    own, other, z, psi = borrowed(own), borrowed(other), borrowed(z), borrowed(psi)
+    vertical = symmetric, antisymmetric
     z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
     for turn in range(2):
         for row in range(3):
@@ -187,13 +184,7 @@ def _move_rows(old, new, moving, ring):
 @entry
 def _weigh(weight, symmetric_before, antisymmetric_before, symmetric, antisymmetric, waves):
     """Fill in the waves (8, N or more) of displacement and velocity before and after a slide."""
-    weight, waves = borrowed(weight), borrowed(waves)
-    rails = (
-        borrowed(symmetric_before),
-        borrowed(antisymmetric_before),
-        borrowed(symmetric),
-        borrowed(antisymmetric),
-    )
+    rails = symmetric_before, antisymmetric_before, symmetric, antisymmetric
     count = weight.shape[1]
     waves[:, count:] = 0.0
     for turn in range(4):
@@ -214,7 +205,7 @@ def _settle(field, points, bay, ring, symmetric, antisymmetric):
     symmetric, antisymmetric
         Compression of the fasteners, m, and its rate, (2, P).
     """
-    count, compression = field.shape[1], (borrowed(symmetric), borrowed(antisymmetric))
+    count, compression = field.shape[1], (symmetric, antisymmetric)
     for fastener in range(symmetric.shape[1]):
         here = fastener * bay + bay // 2
         there = here + points

@@ -5,6 +5,7 @@ import math
 from typing import Any
 
 import numpy as np
+from rail_quantities.uncounted import Reference
 
 from slab_track.alignment import aligned
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
@@ -44,7 +45,6 @@ from slab_track.stepping import (
     TrackOperator,
     WindowLimits,
     advance,
-    pack,
 )
 from slab_track.vertical import FreeStep, WheelCoupling, class_operator, rail_operator
 from slab_track.window import END_MARGIN, near_the_end, place_window
@@ -103,11 +103,8 @@ class Stepper:
         """Whether the rails move laterally and in roll."""
         return self._p.rail.motion == "full" and self._interface != VERTICAL
 
-    def _make_operator(self, duration: float) -> tuple[TrackOperator, int, float, Any]:
-        """Return operator, number and length (s) of the internal steps of a communication step.
-
-        The last one is what the operator refers to, to be kept as long as it is used.
-        """
+    def _make_operator(self, duration: float) -> tuple[Reference, int, float]:
+        """Return operator, number and length (s) of the internal steps of a communication step."""
         p = self._p
         if not 0.0 < duration <= _MOST_STEPS * p.integration.maximum_step:
             raise TrackError(
@@ -120,15 +117,15 @@ class Stepper:
         half = half_size(self._linear.fastener_count)
         modes = self._linear.slab_count * max(s.omega_squared.size for s in self._linear.slabs)
         changing = self._irregularity.data  # keeps blocks that it computes when it needs them
-        constant = (
-            rail_operator(self._linear, step),
-            class_operator(self._linear, step, SYMMETRIC),
-            class_operator(self._linear, step, ANTISYMMETRIC),
-            lateral_constants(self._lateral, step),
-            self._contact,
-            fastsim_grid(p.contact.fastsim_columns, p.contact.fastsim_strips),
-            changing,
-            Settings(
+        parts = TrackOperator(
+            rail=rail_operator(self._linear, step),
+            symmetric=class_operator(self._linear, step, SYMMETRIC),
+            antisymmetric=class_operator(self._linear, step, ANTISYMMETRIC),
+            lateral=lateral_constants(self._lateral, step),
+            contact=self._contact,
+            grid=fastsim_grid(p.contact.fastsim_columns, p.contact.fastsim_strips),
+            irregularity=changing,
+            settings=Settings(
                 interface=self._interface,
                 moves_sideways=self.moves_sideways,
                 hertz_constant=p.contact.hertz_constant_used,
@@ -136,16 +133,15 @@ class Stepper:
                 axis_depth=p.rail.axis_depth,
                 step=step,
             ),
-            self._limits,
-            self._layout.starts,
-            Scratch.empty(steps, count, waves, self._linear.fastener_count, modes),
-            WheelCoupling.empty(count, half),
-            FreeStep.empty(count, half),
-            FreeStep.empty(count, half),
-            Interaction.empty(count),
+            limits=self._limits,
+            starts=self._layout.starts,
+            scratch=Scratch.empty(steps, count, waves, self._linear.fastener_count, modes),
+            coupling=WheelCoupling.empty(count, half),
+            free_s=FreeStep.empty(count, half),
+            free_a=FreeStep.empty(count, half),
+            at=Interaction.empty(count),
         )
-        parts = [part if part is changing else aligned(part) for part in constant]
-        return pack(*parts), steps, step, parts
+        return Reference(aligned(parts)._replace(irregularity=changing)), steps, step
 
     @property
     def _limits(self) -> WindowLimits:
@@ -198,7 +194,7 @@ class Stepper:
         TrackError
             As there.
         """
-        operator, steps, step, _kept = self.operator(dt)
+        operator, steps, step = self.operator(dt)
         applied = self._no_force
         if self._interface == APPLIED:
             applied = self.on_axis(applied_force)

@@ -3,22 +3,23 @@
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
-from numba.experimental import structref
-from rail_quantities.uncounted import borrowed, flat, on_stack, shaped
+from rail_quantities.uncounted import flat, on_stack, shaped
 
 from slab_track.compiled import entry, kernel
+from slab_track.contact.fastsim import FastsimGrid
+from slab_track.contact.tables import ContactTables
 from slab_track.halves import half_size
 from slab_track.interaction import (
+    Interaction,
     add_lateral,
     answer,
     interact,
     put_together,
     report_rails,
 )
-from slab_track.irregularity.kernels import evaluate_into
-from slab_track.lateral_step import close_rail, free_rail
+from slab_track.irregularity.kernels import IrregularityData, evaluate_into
+from slab_track.lateral_step import LateralConstants, close_rail, free_rail
 from slab_track.motion import extrapolate, is_too_deep, jumps, push, reach
 from slab_track.oscillators import copy
 from slab_track.room import Room
@@ -40,6 +41,10 @@ from slab_track.state import (
     WINDOW_START,
 )
 from slab_track.vertical import (
+    ClassOperator,
+    FreeStep,
+    RailOperator,
+    WheelCoupling,
     close_class_step,
     free_class_step,
     wheel_coupling,
@@ -150,49 +155,10 @@ class Scratch(NamedTuple):
         )
 
 
-@structref.register
-class _OperatorType(numba.types.StructRef):
-    """Numba's type of :class:`TrackOperator`."""
+class TrackOperator(NamedTuple):
+    """All constants of a track for one communication step.
 
-
-class TrackOperator(structref.StructRefProxy):
-    """All constants of a track for one communication step, as one reference for compiled code.
-
-    Made by :func:`pack`.
-    """
-
-
-structref.define_proxy(
-    TrackOperator,
-    _OperatorType,
-    [
-        "rail",
-        "symmetric",
-        "antisymmetric",
-        "lateral",
-        "contact",
-        "grid",
-        "irregularity",
-        "settings",
-        "limits",
-        "starts",
-        "scratch",
-        "coupling",
-        "free_s",
-        "free_a",
-        "at",
-    ],
-)
-
-
-@entry
-def pack(
-    rail, symmetric, antisymmetric, lateral, contact, grid, irregularity, settings, limits, starts,
-    scratch, coupling, free_s, free_a, at,
-):  # fmt: skip
-    """Return a :class:`TrackOperator`, which refers to the arrays but does not keep them.
-
-    Parameters
+    Attributes
     ----------
     rail, symmetric, antisymmetric
         Vertical motion of the rails, and of both classes.
@@ -209,12 +175,22 @@ def pack(
     scratch, coupling, free_s, free_a, at
         Room for what is made within a step.
     """
-    return TrackOperator(
-        borrowed(rail), borrowed(symmetric), borrowed(antisymmetric), borrowed(lateral),
-        borrowed(contact), borrowed(grid), borrowed(irregularity), settings, limits,
-        borrowed(starts), borrowed(scratch), borrowed(coupling), borrowed(free_s),
-        borrowed(free_a), borrowed(at),
-    )  # fmt: skip
+
+    rail: RailOperator
+    symmetric: ClassOperator
+    antisymmetric: ClassOperator
+    lateral: LateralConstants
+    contact: ContactTables
+    grid: FastsimGrid
+    irregularity: IrregularityData
+    settings: Settings
+    limits: WindowLimits
+    starts: np.ndarray
+    scratch: Scratch
+    coupling: WheelCoupling
+    free_s: FreeStep
+    free_a: FreeStep
+    at: Interaction
 
 
 @kernel
@@ -298,7 +274,7 @@ def advance(op, old, new, motion, time, may_slide, applied, turn):
     Parameters
     ----------
     op
-        :class:`TrackOperator`.
+        Reference to a :class:`TrackOperator`.
     old, new
         Vector of the state at the start, and the one that is to receive the state at the end;
         for further internal steps it is what the one before left, and ``old`` a copy of it.
@@ -317,7 +293,6 @@ def advance(op, old, new, motion, time, may_slide, applied, turn):
     int
         GOOD, or why the step cannot be made.
     """
-    old, new, motion, applied = borrowed(old), borrowed(new), borrowed(motion), borrowed(applied)
     found = _begin(op, old, new, motion, time, may_slide, turn)
     return found if found != GOOD else _finish(op, old, new, applied, turn)
 

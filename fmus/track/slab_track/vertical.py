@@ -46,6 +46,7 @@ from slab_track.oscillators import (
     add_scaled,
     copy,
     fold,
+    product,
     step_damped,
     step_waves,
     take_force,
@@ -282,7 +283,7 @@ def free_class_step(rail, own, fields, coupling, shapes, step, room, out):
     step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
     _compress(rail, own.seats, waves[0], fields, room, held[0, 0], held[1, 0])
     for half in range(2):
-        np.dot(held[half], own.solve[half], out.fastener[half])
+        product(held[half], own.solve[half], out.fastener[half])
     for wheel in range(shapes.shape[0]):
         _under_wheel(
             wheel, coupling.by_modes, held, coupling.modal, coupling.total, waves, shapes[wheel],
@@ -299,7 +300,7 @@ def _compress(rail, seats, waves, fields, room, even, odd):
     apply(folding.to_fasteners[1], sums[even.size :], odd)
     modes, count = seats.shape
     slabs, under = fields.new_slab.shape[1] // modes, room.fasteners
-    np.dot(shaped(fields.new_slab, 0, (slabs, modes)), seats, shaped(under, 0, (slabs, count)))
+    product(shaped(fields.new_slab, 0, (slabs, modes)), seats, shaped(under, 0, (slabs, count)))
     old = fields.old_compression
     _retain(under, rail.flexibility, rail.damping, rail.rate, old[0], old[1], fastener)
     split(fastener, less[0], less[1])
@@ -354,7 +355,7 @@ def close_class_step(rail, own, fields, free, shapes, forces, step, room):
     count, modes = seats.shape
     slabs = fastener.size // count
     on_slabs = shaped(room.slabs, 0, (slabs, modes))
-    np.dot(shaped(fastener, 0, (slabs, count)), seats, on_slabs)
+    product(shaped(fastener, 0, (slabs, count)), seats, on_slabs)
     add_force(fields.new_slab, 0, own.slab_weight, room.slabs[: slabs * modes], step)
     old, new = fields.old_compression, fields.new_compression
     _follow(rail.rate, rail.flexibility, rail.damping, fastener, old[0], old[1], new[0], new[1])

@@ -4,7 +4,7 @@ import math
 
 from rail_quantities.uncounted import shaped
 
-from slab_track.compiled import kernel
+from slab_track.compiled import kernel, view
 from slab_track.contact.wheelset import FORCED, LOCATED
 from slab_track.interaction import Wheels
 from slab_track.state import (
@@ -25,13 +25,13 @@ from slab_track.vertical import ClassFields
 _SQRT_HALF = math.sqrt(0.5)
 
 
-@kernel
+@view
 def part(vector, starts, number):
     """Return a part of a state's vector, flat."""
-    return vector[starts[number] : starts[number + 1]]
+    return shaped(vector, starts[number], (starts[number + 1] - starts[number],))
 
 
-@kernel
+@view
 def rows_of(vector, starts, number, rows):
     """Return a part of a state's vector in rows of equal length."""
     length = (starts[number + 1] - starts[number]) // rows
@@ -65,7 +65,7 @@ def class_fields(old, new, starts, symmetry, fasteners):
         rows_of(new, starts, first, 3),
         rows_of(new, starts, first + 1, 3),
         shaped(new, starts[first + 2], (2, fasteners)),
-        new[begin : begin + fasteners],
+        shaped(new, begin, (fasteners,)),
     )
 
 

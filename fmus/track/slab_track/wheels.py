@@ -85,36 +85,32 @@ def implicit_penetration(gap, compliance, stiffness):
 
 
 @kernel
-def contact_forces(approach, same, cross, start, hertz_constant):
-    """Solve the normal forces of all wheels, (wheels, 2), and their penetrations.
+def contact_forces(approach, same, cross, hertz_constant, wheels):
+    """Solve the normal forces of all wheels, and their penetrations, those of their treads.
 
-    ``approach`` (wheels, 2) is the penetration that the wheels would have on rails
+    ``approach`` (w, 2, 1 or more) has, first, the penetration that the wheels would have on rails
     free of wheel forces; ``same`` and ``cross`` as in
-    :class:`slab_track.interaction.Interaction`; ``start`` (wheels, 2, 2) has first guesses in
-    its first column. Wheel by wheel the scalar law is solved exactly; sweeps
+    :class:`slab_track.interaction.Interaction`; ``wheels`` holds first guesses, and receives the
+    forces. Wheel by wheel the scalar law is solved exactly; sweeps
     account for the small compliance between different wheels.
     """
-    count = approach.shape[0]
-    force, penetration = np.empty((count, 2)), np.empty((count, 2))
-    for wheel in range(count):
-        force[wheel, 0], force[wheel, 1] = start[wheel, 0, 0], start[wheel, 1, 0]
+    force, count = wheels.normal, approach.shape[0]
     stiffness = hertz_constant**-1.5
     for _ in range(50):
         change = 0.0
         for wheel in range(count):
             for side in range(2):
-                gap = approach[wheel, side]
+                gap = approach[wheel, side, 0]
                 for other in range(count):
-                    gap -= same[wheel, other] * force[other, side]
-                    gap -= cross[wheel, other] * force[other, 1 - side]
-                gap += same[wheel, wheel] * force[wheel, side]
+                    gap -= same[wheel, other] * force[other, side, 0]
+                    gap -= cross[wheel, other] * force[other, 1 - side, 0]
+                gap += same[wheel, wheel] * force[wheel, side, 0]
                 delta = implicit_penetration(gap, same[wheel, wheel], stiffness)
                 new = stiffness * delta * math.sqrt(delta) if delta > 0.0 else 0.0
-                change = max(change, abs(new - force[wheel, side]))
-                force[wheel, side], penetration[wheel, side] = new, delta
+                change = max(change, abs(new - force[wheel, side, 0]))
+                force[wheel, side, 0], wheels.located[wheel, side, 0, 0] = new, delta
         if change <= 1e-9:
             break
-    return force, penetration
 
 
 @kernel

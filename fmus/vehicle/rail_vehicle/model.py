@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from rail_quantities import flatten
+from rail_quantities.uncounted import Reference
 
 from rail_vehicle import limits
 from rail_vehicle.arrangement import wheelset_positions
@@ -38,7 +39,7 @@ from rail_vehicle.linear_system import FREE_COUNT, LinearSystem, assemble, first
 from rail_vehicle.nonlinear import largest_slopes, law_constants
 from rail_vehicle.outputs import MOTION_COUNT, Output, make_output_map
 from rail_vehicle.parameters import VehicleParameters
-from rail_vehicle.stepping import pack, step_into
+from rail_vehicle.stepping import StepConstants, step_into
 
 Array = NDArray[np.float64]
 
@@ -172,7 +173,7 @@ class VehicleModel:
         self.output_table: tuple[Output, ...] = self._outputs.table
         self._index = {output.name: place for place, output in enumerate(self.output_table)}
         self.internal_step = self._longest_step()
-        self._made: tuple[float, Any, int, tuple[Any, ...]] = (math.nan, None, 0, ())
+        self._made: tuple[float, Any, int] = (math.nan, None, 0)
 
     def _rolling_spin(self, speed: float) -> float:
         return -speed / self.parameters.wheelset.radius
@@ -348,27 +349,27 @@ class VehicleModel:
         if dt != self._made[0]:
             self._made = self._make(dt)
         acceleration = self._acceleration(float(vector[SPEED]), speed_setpoint, dt)
-        _, constants, count, _ = self._made
+        _, constants, count = self._made
         found = step_into(
             constants, vector, forces, acceleration, dt / count, count, result, outputs
         )
         if found != GOOD:
             raise StepError(self._why(found, vector, result))
 
-    def _make(self, dt: float) -> tuple[float, Any, int, tuple[Any, ...]]:
-        """Return ``dt`` (s), what its step takes, how many parts it has, and what must be kept."""
+    def _make(self, dt: float) -> tuple[float, Reference, int]:
+        """Return ``dt`` (s), what its step takes, and how many parts it has."""
         count, of = self._count(dt), self._outputs
-        parts = (
+        constants = StepConstants(
             *self._operators[dt / count],
-            self._constants,
-            self._law,
-            self._limits,
-            of.offsets,
-            of.values,
-            of.columns,
-            of.row_starts,
+            constants=self._constants,
+            law=self._law,
+            limits=self._limits,
+            offsets=of.offsets,
+            values=of.values,
+            columns=of.columns,
+            row_starts=of.row_starts,
         )
-        return dt, pack(*parts), count, parts
+        return dt, Reference(constants), count
 
     def _count(self, dt: float) -> int:
         """Return the number of internal steps in a step of ``dt`` s."""

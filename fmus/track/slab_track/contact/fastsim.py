@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rail_quantities.uncounted import on_stack
 
-from slab_track.compiled import entry, stream
+from slab_track.compiled import entry, maker, stream
 
 _LANES = 8
 """Strips that are computed side by side: constant, so that the compiler uses vectors."""
@@ -70,7 +70,7 @@ class FastsimGrid(NamedTuple):
     columns: NDArray[np.float64]
 
 
-@entry
+@maker
 def fastsim_grid(columns, strips):
     """Return the :class:`FastsimGrid` of ``columns`` x ``strips`` cells."""
     count = -(-strips // _LANES) * _LANES
@@ -89,7 +89,7 @@ def fastsim_grid(columns, strips):
     return FastsimGrid(across, along)
 
 
-@entry
+@maker
 def fastsim(
     normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi, columns, strips
 ):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rail_quantities import kept_array
 
-from slab_track.compiled import entry, kernel
+from slab_track.compiled import entry, kernel, maker
 from slab_track.contact.geometry import ContactGeometry
 from slab_track.contact.hertz import contact_modulus, hertz_factors
 from slab_track.contact.kalker import kalker_coefficients
@@ -190,7 +190,7 @@ def tabulate_patches(geometry: ContactGeometry) -> NDArray[np.float64]:
     return table
 
 
-@entry
+@maker
 def _fill_row(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, flange, spacing, depth, out):
     """Fill ``out`` (2, shifts, columns) for one roll angle."""
     shifts, count = out.shape[1], rail_z.size

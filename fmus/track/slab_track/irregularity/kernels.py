@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from slab_track.compiled import entry, kernel
+from slab_track.compiled import entry, kernel, maker
 from slab_track.irregularity.geometry import track_to_rails_in_place
 from slab_track.irregularity.noise import stream_key, white
 
@@ -128,7 +128,7 @@ def _add_random(x, data, offset, slope):
             slope[row, column] += d0 * y0 + d1 * y1 + d2 * y2 + d3 * y3
 
 
-@kernel
+@maker
 def _fill(band, block, slot, data):
     """Filter the samples of a block: numbers BLOCK * block - 1 and on, into a slot."""
     first_tap, taps = data.layout[band, 2], data.layout[band, 3]
