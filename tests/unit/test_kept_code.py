@@ -7,6 +7,7 @@ import random
 import subprocess
 import sys
 import textwrap
+import types
 
 import pytest
 import rail_cosim.kept_code
@@ -122,6 +123,19 @@ def test_code_of_one_signature_does_not_pass_for_another(tmp_path):
     assert one.load("integers") is None
     one.save("integers", "code for integers")
     assert one.load("integers") == "code for integers"
+
+
+def test_an_index_of_types_that_are_gone_is_begun_anew(tmp_path, monkeypatch):
+    files = CheckedFiles(cache_path=str(tmp_path), filename_base="f", source_stamp=1)
+    module = types.ModuleType("former")
+    module.Kind = type("Kind", (), {"__module__": "former"})
+    monkeypatch.setitem(sys.modules, "former", module)
+    files.save(module.Kind, "code")
+    assert files.load(module.Kind) == "code"
+    monkeypatch.delitem(sys.modules, "former")
+    assert files.load("key") is None
+    files.save("key", "other code")
+    assert files.load("key") == "other code"
 
 
 def test_no_room_for_the_code_is_no_error(tmp_path):

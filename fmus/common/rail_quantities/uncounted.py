@@ -15,7 +15,6 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.core.datamodel import models, register_default
 from numba.core.registry import cpu_target
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
@@ -23,6 +22,8 @@ from numba.extending import (
     infer_getattr,
     intrinsic,
     lower_getattr_generic,
+    models,
+    register_model,
     typeof_impl,
     unbox,
 )
@@ -77,7 +78,7 @@ def _type_of(value: Any, _context: Any) -> Any:
     return value._numba_type_
 
 
-register_default(ReferenceType)(models.OpaqueModel)
+register_model(ReferenceType)(models.OpaqueModel)
 
 
 @unbox(ReferenceType)
@@ -120,8 +121,11 @@ def _make_put(typing: Any, value: Any, address: Any) -> Any:
 _put: Any = intrinsic(_make_put)
 
 
+_ENTRY: dict[str, Any] = {"cache": True, "no_cfunc_wrapper": True, **UNCOUNTED}
+
+
 @with_checksums
-@numba.njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, **UNCOUNTED)
+@numba.njit(**_ENTRY)
 def _store(parts: Any, address: Any) -> None:
     _put(parts, address)
 

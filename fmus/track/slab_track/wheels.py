@@ -15,7 +15,6 @@ and the smaller quotient is taken: it never leads too far.
 
 import math
 
-import numpy as np
 from rail_quantities.uncounted import on_stack
 
 from slab_track.compiled import entry, kernel

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rail_quantities import kept_array
 
-from slab_track.compiled import entry, kernel, maker
+from slab_track.compiled import kernel, maker
 from slab_track.contact.geometry import ContactGeometry
 from slab_track.contact.hertz import contact_modulus, hertz_factors
 from slab_track.contact.kalker import kalker_coefficients
