@@ -1,11 +1,11 @@
 """Arrays in compiled code whose references are not counted.
 
 Numba counts the references to every array, also where a row is cut out or handed on to another
-function: two calls and two atomic operations of some 20 clock cycles each, and the compiler
-can carry nothing across them. That was a fifth of a macro step. Arrays of the caller live longer than
-the call, so functions that make none need no counting: they are compiled with :data:`UNCOUNTED`. A
-function that makes arrays cannot be compiled so, nor one that returns a part of an array; numba
-says so. Small arrays of a function's own have room on its stack.
+function: two calls and two atomic operations of some 20 clock cycles each, and the compiler can
+carry nothing across them. That was a fifth of a macro step. Arrays of the caller live longer than
+the call, so functions that make none need no counting: they are compiled with :data:`UNCOUNTED`.
+Functions that make arrays cannot be compiled so, nor those that return a part of one; numba says
+so. Small arrays of a function's own have room on its stack.
 """
 
 from typing import Any

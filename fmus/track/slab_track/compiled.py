@@ -55,4 +55,4 @@ def maker(function: Callable[..., Any]) -> Any:
 
 def view(function: Callable[..., Any]) -> Any:
     """As :func:`kernel`, for a function that returns a part of an array: put into its callers."""
-    return numba.njit(inline="always")(function)
+    return with_checksums(numba.njit(**_KERNEL, inline="always")(function))
