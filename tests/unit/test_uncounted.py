@@ -121,7 +121,7 @@ def test_functions_that_make_arrays_say_so():
     def doubled(values):
         return (2.0 * values).sum()
 
-    with pytest.raises(numba.core.errors.TypingError, match=r"NRT required|array passed into"):
+    with pytest.raises(numba.core.errors.NumbaError, match=r"NRT required|array passed into"):
         numba.njit(**UNCOUNTED)(doubled)(np.ones(3))
     counted = numba.njit(**COUNTED)(doubled)
 
