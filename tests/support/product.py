@@ -7,6 +7,7 @@ failed test, and no test sees modules that another has loaded.
 import dataclasses
 import os
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
@@ -24,6 +25,10 @@ answer = getattr(importlib.import_module(module), name)(*arguments, **keywords)
 with open(answer_file, "wb") as file:
     pickle.dump(answer, file)
 """
+
+
+def _hear_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,6 +63,8 @@ class Product:
     def start(self, *arguments: object, **keywords: Any) -> subprocess.Popen:
         """Start ``rail-cosim`` with these arguments."""
         command = [sys.executable, "-X", "faulthandler", "-c", _COMMAND, *map(str, arguments)]
+        if hasattr(os, "posix_spawn"):  # tests in a shell's background are deaf to Ctrl-C
+            keywords.setdefault("preexec_fn", _hear_ctrl_c)
         return subprocess.Popen(command, env=self.environment(), **keywords)
 
     def command(
