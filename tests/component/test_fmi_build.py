@@ -101,7 +101,7 @@ def test_contents():
     assert "binaries/linux64/MassSpring.so" in names
     assert member("resources/requirements.txt").split() == [
         b"numpy>=1.26",
-        b"scipy>=1.11",
+        b"scipy>=1.15",
         b"numba>=0.59",
     ]
     assert b"| `spring.law` | parameter | string |" in member("documentation/variables.md")
