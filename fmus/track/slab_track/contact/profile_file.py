@@ -107,7 +107,13 @@ def _smooth(kind: str, y: FloatArray, z: FloatArray, noise: float, name: str) ->
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
-            return make_splrep(y, z, w=np.full(y.size, 1.0 / noise), k=3, s=y.size)
+            return make_splrep(
+                np.ascontiguousarray(y),  # scipy 1.15 demands it
+                np.ascontiguousarray(z),
+                w=np.full(y.size, 1.0 / noise),
+                k=3,
+                s=y.size,
+            )
     except RuntimeWarning as error:
         raise _refused(
             kind,
