@@ -61,4 +61,4 @@ def test_wheelsets(benchmark, wheelsets):
 @pytest.mark.parametrize("count", [604, 1208])
 def test_distance(benchmark, count):
     """One and two slab lengths: slides included."""
-    benchmark.pedantic(steps(count), rounds=3)
+    benchmark.pedantic(steps(count), rounds=10)
