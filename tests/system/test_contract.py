@@ -1,5 +1,6 @@
 """What the built FMUs declare: the contract by which other tools connect them."""
 
+import tomllib
 from itertools import product as combinations
 from pathlib import Path
 from zipfile import ZipFile
@@ -208,6 +209,13 @@ def test_contract(described, name, causality):
     wanted = CONTRACT[name][causality]
     assert sorted(wanted.keys() - found.keys()) == []
     assert {variable: found[variable].unit for variable in wanted} == wanted
+
+
+@pytest.mark.parametrize("name", FMUS)
+def test_version_is_that_of_the_product(described, name):
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    about = described[name]
+    assert (about.version, about.license) == (project["version"], project["license"]["text"])
 
 
 @pytest.mark.parametrize("name", FMUS)

@@ -5,7 +5,14 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from rail_fmi import KEEP_FIRST_INPUTS, RailSlave, StepError, Variable, parameter_variables
+from rail_fmi import (
+    KEEP_FIRST_INPUTS,
+    RailSlave,
+    StepError,
+    Variable,
+    __version__,
+    parameter_variables,
+)
 from rail_quantities import flatten, with_values
 
 from slab_track import variables as names
@@ -36,6 +43,7 @@ class TrackSlave(RailSlave):
         for name, line in LINES.items()
     }
     description = "Endless slab track with wheel/rail contact"
+    version = __version__
     license = "BSD-3-Clause"
 
     def declare(self) -> Sequence[Variable]:

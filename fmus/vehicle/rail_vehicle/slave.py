@@ -5,7 +5,14 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from rail_fmi import KEEP_FIRST_INPUTS, RailSlave, StepError, Variable, parameter_variables
+from rail_fmi import (
+    KEEP_FIRST_INPUTS,
+    RailSlave,
+    StepError,
+    Variable,
+    __version__,
+    parameter_variables,
+)
 from rail_quantities import ParameterSet, flatten, with_values
 
 from rail_vehicle import errors
@@ -50,6 +57,7 @@ class VehicleSlave(RailSlave):
         "manchester1": preset_values(MANCHESTER_1),
     }
     description = "High-speed rail vehicle with 50 degrees of freedom"
+    version = __version__
     license = "BSD-3-Clause"
 
     def declare(self) -> Sequence[Variable]:
