@@ -100,9 +100,9 @@ def test_contents():
     assert not [name for name in names if "__pycache__" in name or name.endswith(".pyc")]
     assert "binaries/linux64/MassSpring.so" in names
     assert member("resources/requirements.txt").split() == [
-        b"numpy>=1.26",
+        b"numpy>=2.0",
         b"scipy>=1.15",
-        b"numba>=0.59",
+        b"numba>=0.60",
     ]
     assert b"| `spring.law` | parameter | string |" in member("documentation/variables.md")
     assert b"Deflection" in member("documentation/index.html")
