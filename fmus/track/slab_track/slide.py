@@ -54,12 +54,13 @@ class ByMatrix(NamedTuple):
         """Length of the rows that :meth:`move` takes, and where in them the waves begin."""
         return self.matrix.shape[0], 0
 
-    def move(self, rows: np.ndarray) -> None:
-        """Move wave amplitudes (rows, N) in place."""
-        old, count = rows.copy(), self.matrix.shape[0]
+    def move(self, rows: np.ndarray) -> np.ndarray:
+        """Return wave amplitudes (rows, N) after the slide."""
+        moved, count = np.empty_like(rows), self.matrix.shape[0]
         width = max(1, _ONE_THREAD // rows.size)
         for first in range(0, count, width):
-            rows[:, first : first + width] = old @ self.matrix[first : first + width].T
+            moved[:, first : first + width] = rows @ self.matrix[first : first + width].T
+        return moved
 
     def __call__(self, waves: np.ndarray) -> np.ndarray:
         """Return wave amplitudes (rows, N) after the slide."""
@@ -90,15 +91,16 @@ class BySamples(NamedTuple):
         """As for :class:`ByMatrix`; the cosines' transform begins with the constant."""
         return self.count, int(self.cosines)
 
-    def move(self, rows: np.ndarray) -> None:
-        """Move wave amplitudes (rows, M), zero but for N of them, in place.
+    def move(self, rows: np.ndarray) -> np.ndarray:
+        """Return wave amplitudes (rows, M), zero but for N of them, after the slide.
 
-        Besides the N amplitudes others come about, which are not to be used.
+        They take the memory of ``rows``. Besides the N amplitudes others come about, which are
+        not to be used.
         """
         transform = scipy.fft.dct if self.cosines else scipy.fft.dst
         field = transform(rows, type=3, axis=1, overwrite_x=True)  # twice its value
         move_rows(field, self.shift, self.kept)
-        rows[...] = transform(field, type=2, axis=1, overwrite_x=True)  # twice the sum
+        return np.asarray(transform(field, type=2, axis=1, overwrite_x=True))  # twice the sum
 
     def __call__(self, waves: np.ndarray) -> np.ndarray:
         """Return wave amplitudes (rows, N) after the slide."""
@@ -112,8 +114,7 @@ def _moved(slide: Map, waves: np.ndarray) -> np.ndarray:
     length, first = slide.room
     rows, here = np.zeros((waves.shape[0], length)), slice(first, first + waves.shape[1])
     rows[:, here] = waves
-    slide.move(rows)
-    return rows[:, here]
+    return slide.move(rows)[:, here]
 
 
 @entry

@@ -70,15 +70,15 @@ class WindowSlide:
         Displacement, velocity and acceleration of the rails move alike; slabs and fasteners move
         by whole rows, and so does what the modes left out add to the fasteners' compression.
         """
-        old, operator = state.vector, self._operator
-        new, view = old.copy(), state.layout.view
+        old, operator, view = state.vector, self._operator, state.layout.view
+        new, wheels = np.empty(old.size), state.layout.starts[FASTENER_FORCE]
+        new[:wheels] = old[:wheels]  # what comes behind all moves
         before = tuple(view(old, part) for part in (RAIL_S, RAIL_A, LATERAL))
         after = tuple(view(new, part) for part in (RAIL_S, RAIL_A, LATERAL))
         firsts = operator.deflection.room[1], operator.rotation.room[1]
         _gather(*before, self._branches, self._aside, *firsts, self._z, self._psi)
-        operator.deflection.move(self._z)
-        operator.rotation.move(self._psi)
-        _scatter(self._z, self._psi, *firsts, self._branches, self._aside, *after)
+        z, psi = operator.deflection.move(self._z), operator.rotation.move(self._psi)
+        _scatter(z, psi, *firsts, self._branches, self._aside, *after)
         if operator.constrained:
             self._keep_under_wheels(state.motion[:, 0] - state.window_start, before, after)
         _move_rows(old, new, self._moving, operator.ring)
@@ -140,8 +140,9 @@ def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, 
         rotations, (12, n).
     """
     vertical = symmetric, antisymmetric
-    z[:], psi[:] = 0.0, 0.0
     z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
+    z[:, :z_first], psi[:, :psi_first] = 0.0, 0.0
+    z[:, z_end:], psi[:, psi_end:] = 0.0, 0.0
     for turn in range(2):
         for row in range(3):
             here, there = 3 * turn + row, 6 + 3 * turn + row
