@@ -46,7 +46,7 @@ def test_version(fmus):
 WRONG = {
     "flag": (["run", "--sped", 3], ["--sped", "--speed", "rail-cosim run --help"]),
     "command": (["rum"], ["'rum'", "run", "rail-cosim --help"]),
-    "number": (["run", "--speed", "fast"], ["--speed", "fast"]),
+    "number": (["run", "--speed", "fast"], ["--speed"]),
     "too much": (["check", "a.fmu", "b.fmu"], ["b.fmu"]),
     "missing": (["sweep"], ["SPEC", "rail-cosim sweep --help"]),
     "before the command": (["--speed", 3], ["--speed"]),
