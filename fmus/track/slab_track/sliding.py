@@ -75,10 +75,10 @@ class WindowSlide:
         new[:wheels] = old[:wheels]  # what comes behind all moves
         before = tuple(view(old, part) for part in (RAIL_S, RAIL_A, LATERAL))
         after = tuple(view(new, part) for part in (RAIL_S, RAIL_A, LATERAL))
-        firsts = operator.deflection.room[1], operator.rotation.room[1]
-        _gather(*before, self._branches, self._aside, *firsts, self._z, self._psi)
+        first = operator.rotation.room[1]
+        _gather(*before, self._branches, self._aside, first, self._z, self._psi)
         z, psi = operator.deflection.move(self._z), operator.rotation.move(self._psi)
-        _scatter(z, psi, *firsts, self._branches, self._aside, *after)
+        _scatter(z, psi, first, self._branches, self._aside, *after)
         if operator.constrained:
             self._keep_under_wheels(state.motion[:, 0] - state.window_start, before, after)
         _move_rows(old, new, self._moving, operator.ring)
@@ -124,7 +124,7 @@ def _moving_rows(layout: StateLayout, slabs: int, seats: int) -> np.ndarray:
 
 
 @entry
-def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, psi):
+def _gather(symmetric, antisymmetric, aside, own, other, first, z, psi):
     """Fill in the waves of deflection, twist and rotation of all rails.
 
     Parameters
@@ -133,38 +133,39 @@ def _gather(symmetric, antisymmetric, aside, own, other, z_first, psi_first, z, 
         Coordinates, (3, 2, N) and (2, 3, 3, N).
     own, other
         Branches of the vertical and of the lateral motion.
-    z_first, psi_first
-        Where in their rows the waves begin; the rest is filled up with zeros.
+    first
+        Where in their rows the waves of rotation begin; the rest is filled up with zeros.
     z, psi
         Receive deflections of both classes and both rails aside, and their twists, (18, n); and
         rotations, (12, n).
     """
     vertical = symmetric, antisymmetric
-    z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
-    z[:, :z_first], psi[:, :psi_first] = 0.0, 0.0
-    z[:, z_end:], psi[:, psi_end:] = 0.0, 0.0
+    count = aside.shape[3]
+    last = first + count
+    z[:, count:], psi[:, :first], psi[:, last:] = 0.0, 0.0, 0.0
     for turn in range(2):
         for row in range(3):
             here, there = 3 * turn + row, 6 + 3 * turn + row
-            amplitudes(own.deflection, vertical[turn][row], z[here, z_first:z_end])
-            amplitudes(own.rotation, vertical[turn][row], psi[here, psi_first:psi_end])
-            amplitudes(other.deflection, aside[turn, row], z[there, z_first:z_end])
-            amplitudes(other.rotation, aside[turn, row], psi[there, psi_first:psi_end])
-            copy(aside[turn, row, 2], z[there + 6, z_first:z_end])
+            amplitudes(own.deflection, vertical[turn][row], z[here, :count])
+            amplitudes(own.rotation, vertical[turn][row], psi[here, first:last])
+            amplitudes(other.deflection, aside[turn, row], z[there, :count])
+            amplitudes(other.rotation, aside[turn, row], psi[there, first:last])
+            copy(aside[turn, row, 2], z[there + 6, :count])
 
 
 @entry
-def _scatter(z, psi, z_first, psi_first, own, other, symmetric, antisymmetric, aside):
+def _scatter(z, psi, first, own, other, symmetric, antisymmetric, aside):
     """Fill in the coordinates of all rails from their waves, as in :func:`_gather`."""
     vertical = symmetric, antisymmetric
-    z_end, psi_end = z_first + aside.shape[3], psi_first + aside.shape[3]
+    count = aside.shape[3]
+    last = first + count
     for turn in range(2):
         for row in range(3):
             here, there = 3 * turn + row, 6 + 3 * turn + row
-            turned = psi[here, psi_first:psi_end], psi[there, psi_first:psi_end]
-            separate(own, z[here, z_first:z_end], turned[0], vertical[turn][row])
-            separate(other, z[there, z_first:z_end], turned[1], aside[turn, row])
-            copy(z[there + 6, z_first:z_end], aside[turn, row, 2])
+            turned = psi[here, first:last], psi[there, first:last]
+            separate(own, z[here, :count], turned[0], vertical[turn][row])
+            separate(other, z[there, :count], turned[1], aside[turn, row])
+            copy(z[there + 6, :count], aside[turn, row, 2])
 
 
 @entry

@@ -140,7 +140,8 @@ class Stepper:
             free_a=FreeStep.empty(count, half),
             at=Interaction.empty(count),
         )
-        return Reference(aligned(parts)._replace(irregularity=changing)), steps, step
+        placed = (part if part is changing else aligned(part) for part in parts)
+        return Reference(TrackOperator._make(placed)), steps, step
 
     @property
     def _limits(self) -> WindowLimits:
