@@ -1,11 +1,17 @@
 """Contact geometry where it has a closed form: cones, circles; and its own consistency."""
 
+import json
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
+import slab_track.contact.__main__ as command
+from rail_quantities import ParameterError
+from scipy.integrate import quad
 from slab_track.contact import (
     ContactGeometry,
+    ContactTable,
     RailPlacement,
     contact_table,
     equivalent_conicity,
@@ -92,6 +98,39 @@ def test_conicity_of_a_cubic_by_its_exact_wavelength():
     found = equivalent_conicity(lateral, cubic * lateral**3, amplitude=amplitude)
     quarter = 1.854074677 / (amplitude * math.sqrt(cubic))
     assert found == pytest.approx(0.5 * (math.pi / (2.0 * quarter)) ** 2, rel=1e-4)
+
+
+def test_conicity_of_a_hollow_wheel_is_defined_beyond_the_hollow_only():
+    # y'' = c y - d y^3: turning points at A only where the potential -c y^2/2 + d y^4/4 exceeds 0.
+    lateral, c = np.linspace(-8e-3, 8e-3, 401), 0.02
+    d = 2.0 * c / 4e-3**2  # the potential is 0 at 4 mm again
+    difference = d * lateral**3 - c * lateral
+    with pytest.raises(ParameterError, match=r"amplitude = 0\.003: no kinematic motion.*hollow"):
+        equivalent_conicity(lateral, difference, amplitude=3e-3)
+    amplitude = 5e-3
+    found = equivalent_conicity(lateral, difference, amplitude=amplitude)
+
+    def slowness(y):
+        energy = 0.25 * d * (amplitude**4 - y**4) - 0.5 * c * (amplitude**2 - y**2)
+        return 1.0 / math.sqrt(2.0 * energy)
+
+    ends = {"points": [0.0], "limit": 200}
+    half_wave = quad(slowness, -amplitude * (1 - 1e-12), amplitude * (1 - 1e-12), **ends)[0]
+    assert found == pytest.approx(0.5 * (math.pi / half_wave) ** 2, rel=2e-3)
+
+
+def test_the_command_says_why_a_conicity_is_not_defined(tmp_path, monkeypatch, capsys):
+    def hollow(geometry, lateral):
+        sides = {"contact_angle", "wheel_position", "rail_position"}
+        columns = {f.name: np.zeros((9, 2) if f.name in sides else 9) for f in fields(ContactTable)}
+        columns |= {"lateral_displacement": lateral, "rolling_radius_difference": -0.02 * lateral}
+        return ContactTable(**columns)
+
+    monkeypatch.setattr(command, "contact_table", hollow)
+    assert command.main(["--points", "9", "--out", str(tmp_path / "hollow.json")]) == 0
+    assert "conicity at 3 mm: not defined: no kinematic motion" in capsys.readouterr().out
+    about = json.loads((tmp_path / "hollow.json").read_text())["about"]
+    assert "hollow tread" in about["equivalent_conicity_not_defined"]
 
 
 @pytest.fixture(scope="module")

@@ -180,6 +180,13 @@ def test_contact_geometry_from_the_track_package(tmp_path):
     assert result.files[1].read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_conicity_that_is_not_defined_is_explained():
+    about = {"equivalent_conicity": float("nan"), "conicity_amplitude": 3e-3}
+    why = "no kinematic motion"
+    said = geometry.conclude(about | {"equivalent_conicity_not_defined": why})
+    assert said == f"equivalent conicity at 3 mm: not defined: {why}"
+
+
 def test_contact_geometry_refuses_what_it_does_not_take(tmp_path):
     options = StudyOptions(out=tmp_path, settings=["track.fastener.spacing=0.6"])
     with pytest.raises(UnknownNameError, match="no parameter for this study of this name"):

@@ -45,6 +45,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 _DRAW_EVERY = 0.2  # s
+_WIDEST = 10_000  # characters
 _out = Console()
 _err = Console(stderr=True)
 
@@ -91,8 +92,12 @@ def given(context: typer.Context, values: dict[str, Any]) -> dict[str, Any]:
 
 
 def show(table: RenderableType) -> None:
-    """Print a table."""
-    _out.print(table)
+    """Print a table, never cut: on a narrow terminal its lines wrap, in a file they are whole."""
+    if _out.quiet:
+        return
+    content = _out.measure(table, options=_out.options.update(max_width=_WIDEST))
+    width = max(_out.width, content.minimum) if _out.is_terminal else content.maximum
+    Console(width=width).print(table)
 
 
 def _plain(console: Console, text: str) -> None:

@@ -59,9 +59,15 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
     write_netcdf(dataset, data)
     title = describe(about)
     plot_contact_geometry(dataset, title, picture)
-    amplitude = _MM * about["conicity_amplitude"]
-    conclusion = f"equivalent conicity at {amplitude:g} mm: {about['equivalent_conicity']:.4f}"
-    return StudyResult(table=as_table(dataset, title), conclusion=conclusion, files=[data, picture])
+    table = as_table(dataset, title)
+    return StudyResult(table=table, conclusion=conclude(about), files=[data, picture])
+
+
+def conclude(about: dict[str, Any]) -> str:
+    """Return the equivalent conicity in a sentence, or why it is not defined."""
+    undefined = about.get("equivalent_conicity_not_defined")
+    value = f"not defined: {undefined}" if undefined else f"{about['equivalent_conicity']:.4f}"
+    return f"equivalent conicity at {_MM * about['conicity_amplitude']:g} mm: {value}"
 
 
 def as_arguments(options: StudyOptions) -> list[str]:

@@ -39,9 +39,6 @@ def main(arguments: list[str] | None = None) -> int:
         geometry = _geometry(options)
         lateral = np.linspace(-_REACH, _REACH, options.points)
         table = contact_table(geometry, lateral)
-        conicity = equivalent_conicity(
-            lateral, table.rolling_radius_difference, amplitude=_AMPLITUDE
-        )
     except ParameterError as error:
         print(f"{_PROGRAM}: error: {error}", file=sys.stderr)
         return 2
@@ -54,10 +51,18 @@ def main(arguments: list[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
-    columns = _columns(table)
-    _print(options, columns, conicity)
+    columns, conicity, undefined = _columns(table), math.nan, ""
+    try:
+        conicity = equivalent_conicity(
+            lateral, table.rolling_radius_difference, amplitude=_AMPLITUDE
+        )
+    except ParameterError as error:
+        undefined = f"{error.limit}; {error.remedy}"
+    _print(options, columns)
+    said = f"not defined: {undefined}" if undefined else f"{conicity:.4f}"
+    print(f"\nequivalent conicity at {_AMPLITUDE * _MM:g} mm: {said}")
     if options.out:
-        _write(options, columns, conicity)
+        _write(options, columns, conicity, undefined)
     return 0
 
 
@@ -138,7 +143,7 @@ def _columns(table: ContactTable) -> dict[str, np.ndarray]:
     return columns
 
 
-def _print(options: argparse.Namespace, columns: dict[str, np.ndarray], conicity: float) -> None:
+def _print(options: argparse.Namespace, columns: dict[str, np.ndarray]) -> None:
     print(
         f"{options.wheel} on {options.rail}, gauge {options.gauge * _MM:g} mm "
         f"{options.depth * _MM:g} mm below the heads, cant {options.cant:g}, rolling circles "
@@ -160,10 +165,14 @@ def _print(options: argparse.Namespace, columns: dict[str, np.ndarray], conicity
                 f"{columns[f'{side}_rail_position'][i] * _MM:7.2f}",
             ]
         print(" ".join(numbers))
-    print(f"\nequivalent conicity at {_AMPLITUDE * _MM:g} mm: {conicity:.4f}")
 
 
-def _write(options: argparse.Namespace, columns: dict[str, np.ndarray], conicity: float) -> None:
+def _write(
+    options: argparse.Namespace,
+    columns: dict[str, np.ndarray],
+    conicity: float,
+    undefined: str,
+) -> None:
     path: Path = options.out
     if path.suffix.lower() == ".csv":
         with path.open("w", newline="", encoding="utf-8") as file:
@@ -173,6 +182,8 @@ def _write(options: argparse.Namespace, columns: dict[str, np.ndarray], conicity
         return
     about: dict[str, Any] = {k: v for k, v in vars(options).items() if k not in ("out", "points")}
     about |= {"equivalent_conicity": conicity, "conicity_amplitude": _AMPLITUDE}
+    if undefined:
+        about["equivalent_conicity_not_defined"] = undefined
     data = {"about": about, "columns": {name: c.tolist() for name, c in columns.items()}}
     path.write_text(json.dumps(data, indent=1), encoding="utf-8")
 

@@ -151,7 +151,8 @@ def equivalent_conicity(
     Raises
     ------
     ParameterError
-        If the table does not reach both turning points.
+        If the table does not reach both turning points, or if the motion does not run from one
+        to the other: the radius differences of a hollow wheel steer it away from the centre.
     """
     fine = np.linspace(lateral_displacement[0], lateral_displacement[-1], 20001)
     difference = PchipInterpolator(lateral_displacement, rolling_radius_difference)(fine)
@@ -160,10 +161,12 @@ def equivalent_conicity(
     potential = make_interp_spline(fine, potential - potential.min(), k=3)
     low, high = fine[0], fine[-1]
 
-    def level(left: float) -> float:
-        return float(potential(left + 2.0 * amplitude) - potential(left))
+    def level(left: FloatArray | float) -> FloatArray:
+        return potential(left + 2.0 * amplitude) - potential(left)
 
-    if high - low <= 2.0 * amplitude or level(low) * level(high - 2.0 * amplitude) > 0.0:
+    lefts = fine[fine <= high - 2.0 * amplitude]
+    crossings = np.flatnonzero(np.diff(np.sign(level(lefts))))
+    if crossings.size == 0:
         raise ParameterError(
             "amplitude",
             amplitude,
@@ -171,7 +174,9 @@ def equivalent_conicity(
             f"{1e3 * high:g} mm",
             "give a table over a wider range of lateral displacements, or a smaller amplitude",
         )
-    left = root_scalar(level, bracket=(low, high - 2.0 * amplitude), xtol=1e-12).root
+    # A hollow tread has several pairs of turning points: that about the centre is meant.
+    nearest = crossings[np.argmin(np.abs(lefts[crossings] + amplitude))]
+    left = root_scalar(level, bracket=lefts[nearest : nearest + 2], xtol=1e-12).root
     return _conicity_between(potential, left, amplitude)
 
 
@@ -181,7 +186,17 @@ def _conicity_between(potential: BSpline, left: float, amplitude: float) -> floa
     node, weight = np.polynomial.legendre.leggauss(400)
     theta = 0.5 * math.pi * node
     y = left + amplitude * (1.0 + np.sin(theta))
-    top = float(potential(left))
-    speed = np.sqrt(2.0 * (top - potential(y)))  # y' sqrt(e r_0)
+    energy = float(potential(left)) - potential(y)
+    if energy.min() <= 0.0:
+        barrier = y[int(np.argmin(energy))]
+        raise ParameterError(
+            "amplitude",
+            amplitude,
+            f"no kinematic motion between turning points at {1e3 * left:.2f} and "
+            f"{1e3 * (left + 2.0 * amplitude):.2f} mm: the rolling radius difference steers the "
+            f"wheelset away from {1e3 * barrier:.2f} mm (hollow tread)",
+            "the equivalent conicity may be defined at another amplitude",
+        )
+    speed = np.sqrt(2.0 * energy)  # y' sqrt(e r_0)
     half_wave = float(np.sum(0.5 * math.pi * weight * amplitude * np.cos(theta) / speed))
     return 0.5 * (math.pi / half_wave) ** 2
