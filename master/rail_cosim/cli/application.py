@@ -92,12 +92,11 @@ def given(context: typer.Context, values: dict[str, Any]) -> dict[str, Any]:
 
 
 def show(table: RenderableType) -> None:
-    """Print a table, never cut: on a narrow terminal its lines wrap, in a file they are whole."""
+    """Print a table as wide as its content: never cut, neither in a file nor on a terminal."""
     if _out.quiet:
         return
     content = _out.measure(table, options=_out.options.update(max_width=_WIDEST))
-    width = max(_out.width, content.minimum) if _out.is_terminal else content.maximum
-    Console(width=width).print(table)
+    Console(width=content.maximum).print(table)
 
 
 def _plain(console: Console, text: str) -> None:
