@@ -51,6 +51,7 @@ from rail_cosim.summary import summarise
 from rail_cosim.system import SystemStructure
 from rail_cosim.threads import one_thread
 from rail_cosim.trust import foreign_remark
+from rail_cosim.wheelsets import wheelset_parameters
 
 
 def run(
@@ -238,12 +239,15 @@ def gather_parameters(
     ``bound`` are values that came with the FMUs, in an SSP package.
 
     What the vehicle tells the track (:data:`rail_cosim.initialisation.PASSED`) is not taken
-    from the track's preset, nor from what is bound to it.
+    from the track's preset, nor from what is bound to it. The track's ``wheelset_count`` is that
+    of the vehicle.
 
     Raises
     ------
     ParameterError
         For a name or value that is not right.
+    StructureError
+        If the vehicle's wheelsets do not fit the track's terminals.
     """
     known = {name: description.variables for name, description in descriptions.items()}
     values: dict[str, dict[str, Value]] = {name: {} for name in known}
@@ -270,6 +274,7 @@ def gather_parameters(
         )
         values["track"].update(checked("track", known["track"], found))
     values["track"].update(settings["track"])
+    values["track"].update(wheelset_parameters(known["vehicle"], known["track"], values))
     return values
 
 

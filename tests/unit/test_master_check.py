@@ -30,11 +30,6 @@ def test_bare_terminals_are_enough(tmp_path, role, made, count):
     assert f"wheelset[{count}].{height}_vertical_displacement" in optional
 
 
-def test_a_vehicle_of_one_wheelset_is_told_how_to_run(tmp_path):
-    assert "track.wheelset_count=1" in verdict(check(tmp_path, vehicle(1)))
-    assert "wheelset_count" not in verdict(check(tmp_path, vehicle(4)))
-
-
 def without(name):
     return {key: about for key, about in vehicle().items() if key != name}
 
