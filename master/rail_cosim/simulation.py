@@ -61,11 +61,7 @@ class Driver(Protocol):
 
 
 class Observer(Protocol):
-    """Looks at the slaves after some steps."""
-
-    def due(self, step: int) -> bool:
-        """Whether to look after this step; 0 is the start."""
-        ...
+    """Looks at the slaves at the start and after every step."""
 
     def observe(self, time: float) -> None:
         """Look at the slaves as they are at ``time`` (s)."""
@@ -143,7 +139,7 @@ class Simulation:
     stop
         Ends the run before all its steps are done; ``None`` for nothing.
     observer
-        Looks at the slaves after some steps; ``None`` for nothing.
+        Looks at the slaves after every step; ``None`` for nothing.
     compiled
         Whether steps are made in compiled code where that can be (see
         :mod:`rail_cosim.march`); the numbers are the same.
@@ -290,7 +286,7 @@ class Simulation:
             if due:
                 recorder.record(step * step_size)
             self._done = step
-            if observer is not None and observer.due(step):
+            if observer is not None:
                 observer.observe(step * step_size)
 
     def _check_exchanged(self, time: float) -> None:

@@ -1,4 +1,4 @@
-"""Films of runs: when frames are taken, where things stand in the pictures, what is refused."""
+"""Animations: when frames are recorded, where things stand in them, what is refused."""
 
 import shutil
 import subprocess
@@ -82,12 +82,11 @@ def filmed(frames=3, slow_motion=50.0, *, bogies=True, change=lambda track, vehi
     track, vehicle = pair(bogies=bogies)
     film = Film(slow_motion)
     film.begin(track, vehicle, wheelsets=4, step_size=STEP, steps=1000)
-    for n in range(frames):
+    for step in range((frames - 1) * film.every + 1):
         for i, place in enumerate(PLACES, 1):
-            way = SPEED * STEP * film.every * n
-            vehicle.values[f"wheelset[{i}].longitudinal_position"] = place + way
-        change(track.values, vehicle.values, n)
-        film.observe(n * film.every * STEP)
+            vehicle.values[f"wheelset[{i}].longitudinal_position"] = place + SPEED * STEP * step
+        change(track.values, vehicle.values, step / film.every)
+        film.observe(step * STEP)
     return film
 
 
@@ -101,7 +100,6 @@ def test_frames_are_taken_at_whole_steps():
     film = filmed(slow_motion=60.0)
     assert film.every == 7  # 6.67
     assert film.slow_motion == pytest.approx(1.0 / (FRAME_RATE * 7 * STEP))
-    assert [step for step in range(20) if film.due(step)] == [0, 7, 14]
     assert film.times == pytest.approx(np.arange(3) * 7e-4)
     assert film.frames()["rail"].shape == (3, POINTS)
     assert film.scene.offsets == pytest.approx(OFFSETS)
@@ -118,6 +116,32 @@ def test_what_cannot_be_filmed_is_refused():
         RunOptions(resume=True, out=Path("x.nc"), animate=Path("x.gif"))
     with pytest.raises(ParameterError, match=r"--slow-motion = 0\.0: must be greater than 0"):
         RunOptions(slow_motion=0.0)
+
+
+def test_an_impact_between_two_frames_is_drawn_with_its_peak():
+    """One step of 222 kN, three steps after a frame, and one without contact."""
+    steps = {11 / 8: 222e3, 13 / 8: 0.0}  # 8 steps from frame to frame
+
+    def strike(track, vehicle, n):
+        for i in range(1, 5):
+            track[f"wheelset[{i}].left.normal_force"] = 70e3
+        track["wheelset[2].left.normal_force"] = steps.get(n, 70e3)
+
+    film = filmed(4, change=strike)
+    assert film.every == 8
+    stage = Stage(film, 100.0)
+    stage.show(1)
+    assert max(stage._lines[1].get_ydata()) == 70.0
+    stage.show(3)
+    x, y = stage._lines[1].get_data()
+    assert (np.diff(x) >= 0.0).all()
+    assert (y.max(), y.min()) == (222.0, 0.0)
+    assert x[y.argmax()] == pytest.approx(11 * SPEED * STEP)
+    assert x[y.argmin()] == pytest.approx(13 * SPEED * STEP)
+    assert x[-1] == pytest.approx(24 * SPEED * STEP)
+    assert set(stage._lines[0].get_ydata()) == {70.0}
+    low, high = stage._force.get_ylim()
+    assert low < 0.0 < 222.0 < high
 
 
 def test_largest_deflection_is_well_seen():

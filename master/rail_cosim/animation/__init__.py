@@ -1,4 +1,4 @@
-"""Animation of a run: vehicle, bending rails, slabs, and the window that slides along."""
+"""Animation of a run: vehicle, bending rails, slabs, and the sliding window."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def check_animation(path: Path) -> None:
     ParameterError
         For another ending than .mp4 and .gif, and for .mp4 without ffmpeg.
     ResultsError
-        If the place cannot be written to.
+        If the file cannot be written there.
     """
     if path.suffix.lower() not in FORMATS:
         raise ParameterError(OPTION, str(path), "must end in " + " or ".join(FORMATS))
@@ -74,18 +74,18 @@ def ffmpeg() -> str:
 def write_animation(
     film: Film, path: Path, reporter: Reporter, *, exaggeration: float | None = None
 ) -> None:
-    """Draw all frames of a film into a file.
+    """Draw all frames of an animation into a file.
 
     Parameters
     ----------
     film
-        With a frame or more.
+        What was recorded, one frame or more.
     path
         Ending in .mp4 or .gif.
     reporter
         Told how many frames are drawn.
     exaggeration
-        Of vertical displacements; None: so that the rails' largest is well seen.
+        Of vertical displacements; None: a round number that makes the rail deflection visible.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The pictures of an animation: side view of vehicle and track, the window, the wheel forces.
+"""The frames of an animation: side view of vehicle and track, the window, the wheel forces.
 
 Vertical displacements are exaggerated, lengths are not. The eye goes with the vehicle: fasteners
 and slabs pass below it.
@@ -32,7 +32,7 @@ _FINE = 4  # points drawn per point known
 
 
 def default_exaggeration(film: Film) -> float:
-    """Return the factor with which the largest deflection of the rails is well seen: 1, 2 or 5."""
+    """Return the factor that makes the largest rail deflection visible: 1, 2 or 5 times 10^n."""
     largest = float(np.abs(film.frames()["rail"]).max())
     if largest <= 0.0:
         return 1.0
@@ -42,12 +42,12 @@ def default_exaggeration(film: Film) -> float:
 
 
 class Stage:
-    """The figure of a film, set to one frame after the other.
+    """The figure of an animation, set to one frame after the other.
 
     Parameters
     ----------
     film
-        What was taken down.
+        What was recorded.
     exaggeration
         Of vertical displacements.
     """
@@ -74,10 +74,10 @@ class Stage:
     def show(self, number: int) -> None:
         """Set the figure to a frame (0, 1, ...)."""
         time = float(self._film.times[number])
-        way = self._frames["position"][:, 0]
+        position = self._frames["position"][:, 0]
         self._title.set_text(
-            f"{1e3 * time:.1f} ms, {way[number] - way[0]:.2f} m; "
-            f"slowed down {self._film.slow_motion:.3g} times, "
+            f"{1e3 * time:.1f} ms, {position[number] - position[0]:.2f} m; "
+            f"slow motion × {self._film.slow_motion:.3g}, "
             f"vertical displacements × {self._factor:g}"
         )
         self._show_track(number)
@@ -115,7 +115,7 @@ class Stage:
         axes.set_ylim(_LOWEST, _HIGHEST)
         axes.set_aspect("equal")
         axes.set_yticks([])
-        axes.set_xlabel("from the leading wheelset (m), running to the right")
+        axes.set_xlabel("position relative to the leading wheelset (m), running direction: right")
         axes.spines[["top", "left", "right"]].set_visible(False)
         self._slabs = PolyCollection([], facecolors="#c4c4c4", edgecolors="#8a8a8a", lw=0.5)
         self._fasteners = LineCollection([], colors="#444", linewidths=2.0)
@@ -217,7 +217,7 @@ class Stage:
         axes = self._strip
         axes.set_ylim(-1.0, 1.0)
         axes.set_yticks([])
-        axes.set_xlabel("on the line (m)")
+        axes.set_xlabel("position along the line (m)")
         axes.spines[["top", "left", "right"]].set_visible(False)
         self._joints = LineCollection([], colors="#999", linewidths=1.0)
         axes.add_collection(self._joints)
@@ -246,28 +246,29 @@ class Stage:
 
     def _make_force(self) -> None:
         axes = self._force
-        way = self._frames["position"][:, 0] - self._frames["position"][0, 0]
+        travelled = self._frames["position"][:, 0] - self._frames["position"][0, 0]
         force = self._frames.get("force")
-        axes.set_xlabel("way (m)")
+        axes.set_xlabel("distance travelled (m)")
         axes.set_ylabel("wheel force (kN)")
         axes.spines[["top", "right"]].set_visible(False)
-        axes.set_xlim(0.0, max(float(way[-1]), 1e-3))
+        axes.set_xlim(0.0, max(float(travelled[-1]), 1e-3))
         self._lines: list[Line2D] = []
         if force is None:
             axes.set_yticks([])
             return
         low, high = float(force.min()) / 1e3, float(force.max()) / 1e3
-        room = 0.05 * (high - low) + 1e-3
-        axes.set_ylim(low - room, high + room)
-        for i in range(force.shape[1]):
+        margin = 0.05 * (high - low) + 1e-3
+        axes.set_ylim(low - margin, high + margin)
+        for i in range(force.shape[2]):
             self._lines += _line(axes, _COLOURS[i % len(_COLOURS)], f"wheelset {i + 1}, left")
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.95)}
         axes.legend(**place, ncols=4, fontsize="x-small", frameon=False)
 
     def _show_force(self, number: int) -> None:
-        way = self._frames["position"][: number + 1, 0] - self._frames["position"][0, 0]
         for i, drawn in enumerate(self._lines):
-            drawn.set_data(way, self._frames["force"][: number + 1, i] / 1e3)
+            position = self._frames["force_position"][: number + 1, :, i].ravel()
+            force = self._frames["force"][: number + 1, :, i].ravel()
+            drawn.set_data(position - self._frames["position"][0, 0], force / 1e3)
 
 
 def _line(axes: Axes, colour: str, label: str) -> list[Line2D]:

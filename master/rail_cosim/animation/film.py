@@ -1,4 +1,8 @@
-"""What is taken down during a run for an animation: shapes and positions at every frame."""
+"""What is recorded during a run for an animation.
+
+Shapes and positions are recorded at every frame. Wheel forces are recorded as their envelope over
+all steps: an impact of a millisecond falls between two frames and must not be missed.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +21,13 @@ Array = NDArray[np.float64]
 
 OPTION = "--animate"
 FRAME_RATE = 25.0
-"""Frames per second of the film."""
+"""Frames per second of the animation."""
 
 MOST_FRAMES = 5000
 _POINT = re.compile(r"rail_profile\.left\.vertical_displacement\[(\d+)\]")
 PROFILES_WANTED = "rail_profile.enabled"
 """Parameter of the track that makes it compute its shapes."""
+_EVERY_STEP = ("force", "position")
 _FIRST, _SPACING = "rail_profile.first_offset", "rail_profile.spacing"
 
 
@@ -53,15 +58,15 @@ class Scene:
 
 
 class Film:
-    """Observer that takes down a frame every few steps.
+    """Observer that records a frame every few steps, and the wheel forces of all steps.
 
-    The track tells the shapes of rails and slabs in local variables, which cost nothing in the
+    The shapes of rails and slabs are local variables of the track, which cost nothing in the
     steps between.
 
     Parameters
     ----------
     slow_motion
-        Seconds of film per second of the run.
+        Seconds of animation per second of the run.
 
     Attributes
     ----------
@@ -80,6 +85,8 @@ class Film:
         self._parts: dict[str, Vector] = {}
         self._times: list[float] = []
         self._frames: dict[str, list[Array]] = {}
+        self._between: dict[str, list[Array]] = {}
+        self._steps = 0
 
     def begin(
         self, track: Slave, vehicle: Slave, *, wheelsets: int, step_size: float, steps: int
@@ -100,12 +107,12 @@ class Film:
         Raises
         ------
         ParameterError
-            If the track does not tell its shapes, or if the film would be too long.
+            If the track does not give its shapes, or if the animation would be too long.
         """
         self.every = max(1, round(1.0 / (FRAME_RATE * self.slow_motion * step_size)))
         frames = steps // self.every + 1
         if frames > MOST_FRAMES:
-            limit = f"the film would have {frames} frames, at most {MOST_FRAMES} are drawn"
+            limit = f"the animation would have {frames} frames, at most {MOST_FRAMES} are drawn"
             remedy = "take less, or a shorter distance"
             raise ParameterError("--slow-motion", self.slow_motion, limit, remedy)
         self.slow_motion = 1.0 / (FRAME_RATE * self.every * step_size)
@@ -122,23 +129,44 @@ class Film:
         for name in ("vertical_displacement", "pitch_angle"):
             self._add(f"bogie_{name}", vehicle, [f"bogie[{j}].{name}" for j in (1, 2)])
             self._add(f"car_{name}", vehicle, [f"car_body.{name}"])
-        self._frames = {name: [] for name in self._parts}
 
     def _add(self, name: str, slave: Slave, variables: Sequence[str]) -> None:
-        """Take some variables down, if the slave has them all."""
+        """Record some variables, if the slave has them all."""
         if all(one in slave.variables for one in variables):
             self._parts[name] = slave.vector(variables)
 
-    def due(self, step: int) -> bool:
-        """Whether a frame is to be taken after this step (0 is the start)."""
-        return step % self.every == 0
-
     def observe(self, time: float) -> None:
-        """Take a frame at ``time`` (s)."""
+        """Record what belongs to this step; ``time`` in s."""
+        for name in _EVERY_STEP:
+            if name in self._parts:
+                self._parts[name].read()
+                self._between.setdefault(name, []).append(self._parts[name].values.copy())
+        if self._steps % self.every == 0:
+            self._record_frame(time)
+        self._steps += 1
+
+    def _record_frame(self, time: float) -> None:
+        now: dict[str, Array] = {}
         for name, vector in self._parts.items():
             vector.read()
-            self._frames[name].append(vector.values.copy())
+            now[name] = vector.values.copy()
+        if "force" in self._parts:
+            now["force"], now["force_position"] = self._envelope()
+        for name, values in now.items():
+            self._frames.setdefault(name, []).append(values)
+        self._between.clear()
         self._times.append(time)  # last: an interrupted frame does not count
+
+    def _envelope(self) -> tuple[Array, Array]:
+        """Return the smallest, largest and last force of each wheel since the frame before.
+
+        Both the forces and the leading wheelset's positions where they occur have the shape
+        (3, wheelsets), in the order of their occurrence.
+        """
+        force, position = (np.array(self._between[name]) for name in _EVERY_STEP)
+        last = np.full(force.shape[1], len(force) - 1)
+        rows = np.sort([force.argmin(axis=0), force.argmax(axis=0), last], axis=0)
+        return np.take_along_axis(force, rows, axis=0), position[rows, 0]
 
     @property
     def times(self) -> Array:
@@ -146,10 +174,11 @@ class Film:
         return np.array(self._times)
 
     def frames(self) -> Mapping[str, Array]:
-        """Return what was taken down, by name, (frames, ...).
+        """Return what was recorded, by name, (frames, ...).
 
-        ``rail`` and ``slab`` (points), ``position``, ``wheel``, ``force`` (wheelsets), ``window``
-        (1), and where the vehicle has them ``bogie_vertical_displacement``,
+        ``rail`` and ``slab`` (points), ``position``, ``wheel`` (wheelsets), ``window`` (1), the
+        envelope of the forces since the frame before, ``force`` at ``force_position``
+        (3, wheelsets), and where the vehicle has them ``bogie_vertical_displacement``,
         ``bogie_pitch_angle`` (2), ``car_vertical_displacement``, ``car_pitch_angle`` (1).
         """
         count = len(self._times)
@@ -157,7 +186,7 @@ class Film:
 
 
 def check_track(variables: Mapping[str, object], name: str) -> None:
-    """Make sure before a run that a track tells the shapes of its rails.
+    """Make sure before a run that a track gives the shapes of its rails.
 
     Raises
     ------
