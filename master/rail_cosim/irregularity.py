@@ -6,17 +6,24 @@ and ``rail_joint`` where it has one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
 from rail_cosim.errors import ParameterError, UnknownNameError
-from rail_cosim.slave import Variable
+from rail_cosim.parameters import number_of
+from rail_cosim.slave import Value, Variable
 
 OPTION = "--irregularity"
 SPECTRUM, FILE = "irregularity.spectrum", "irregularity.file.path"
 JOINT_SIDE, JOINT_POSITION = "irregularity.rail_joint.side", "irregularity.rail_joint.position"
+JOINT_LENGTH = "irregularity.rail_joint.long_wavelength"
+SPACING = "fastener.spacing"
 RAIL_JOINT = "rail_joint"
 OFF = "none"
+LEAD = 12.0
+"""A rail joint lies at mid-span of the first fastener bay that is at least so far ahead of the
+leading wheelset at the start, m: at the middle of a slab of the line HD."""
 
 
 def irregularity_names(variables: Mapping[str, Variable]) -> list[str]:
@@ -26,7 +33,7 @@ def irregularity_names(variables: Mapping[str, Variable]) -> list[str]:
 
 
 def irregularity_parameters(
-    text: str, variables: Mapping[str, Variable], *, start: float, distance: float
+    text: str, variables: Mapping[str, Variable], *, start: float, spacing: float
 ) -> dict[str, object]:
     """Return the track's parameters that stand for one name or file.
 
@@ -37,8 +44,11 @@ def irregularity_parameters(
         file of the same name; write ``./name`` for the file.
     variables
         The track's variables.
-    start, distance
-        Where the leading wheelset starts and how far it runs, m: a rail joint lies half way.
+    start
+        Position of the leading wheelset at the start, m.
+    spacing
+        Of the track's fasteners, m, 0 if not known: they are half a bay away from its whole
+        multiples, so a rail joint there is at mid-span.
 
     Raises
     ------
@@ -51,7 +61,7 @@ def irregularity_parameters(
     if text == RAIL_JOINT and JOINT_SIDE in variables:
         joint: dict[str, object] = {JOINT_SIDE: "both"}
         if JOINT_POSITION in variables:
-            joint[JOINT_POSITION] = start + 0.5 * distance
+            joint[JOINT_POSITION] = joint_position(start, spacing)
         return joint
     if text in names:
         return {SPECTRUM: text}
@@ -67,3 +77,48 @@ def irregularity_parameters(
     raise UnknownNameError(
         OPTION, text, names, "irregularity and no file", wanted=text, listed=True
     )
+
+
+def joint_position(start: float, spacing: float) -> float:
+    """Return the position (m) of a rail joint for which none was given (see :data:`LEAD`)."""
+    if spacing <= 0.0:
+        return start + LEAD
+    return math.ceil((start + LEAD) / spacing - 1e-9) * spacing
+
+
+def check_joint(
+    variables: Mapping[str, Variable],
+    values: Mapping[str, Value],
+    *,
+    start: float,
+    distance: float,
+) -> None:
+    """Refuse a rail joint that the leading wheelset does not pass wholly.
+
+    Parameters
+    ----------
+    variables
+        The track's variables.
+    values
+        What of them is set.
+    start, distance
+        Position of the leading wheelset at the start, and distance travelled, m.
+
+    Raises
+    ------
+    ParameterError
+        If the run ends before.
+    """
+    if values.get(JOINT_SIDE, OFF) == OFF or JOINT_POSITION not in variables:
+        return
+    position = number_of(JOINT_POSITION, values, variables)
+    length = number_of(JOINT_LENGTH, values, variables)
+    needed = position + 0.5 * length - start
+    if distance < needed:
+        raise ParameterError(
+            "--distance",
+            distance,
+            f"the run ends before the rail joint, {position - start:.6g} m ahead of the leading "
+            f"wheelset at the start (track.{JOINT_POSITION} = {position:.6g} m)",
+            f"take at least {needed:.6g} m, and 3 m more for what follows the impact",
+        )

@@ -48,6 +48,12 @@ def checked(
     return result
 
 
+def number_of(name: str, values: Mapping[str, Value], variables: Mapping[str, Variable]) -> float:
+    """Return a number as it is set, else its start value; 0 for a variable that does not exist."""
+    start = variables[name].start if name in variables else None
+    return float(values.get(name, start or 0.0))
+
+
 def _article(causality: str) -> str:
     words = {"calculatedParameter": "a calculated parameter", "local": "a local variable"}
     return words.get(causality, f"an {causality}")

@@ -32,10 +32,10 @@ from rail_cosim.errors import RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import PASSED, POSITION, SPEED, initialise
 from rail_cosim.interrupts import InterruptNote
-from rail_cosim.irregularity import irregularity_parameters
+from rail_cosim.irregularity import SPACING, check_joint, irregularity_parameters
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.pace import planned_time, running_speed, step_count
-from rail_cosim.parameters import checked, parse_assignments
+from rail_cosim.parameters import checked, number_of, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import preset_values
 from rail_cosim.ramp import SpeedRamp
@@ -265,15 +265,15 @@ def gather_parameters(
         for name, given in parse_assignments(list(options.settings), known).items()
     }
     values["vehicle"].update(settings["vehicle"])
+    start = number_of(POSITION, values["vehicle"], known["vehicle"])
     if options.irregularity is not None:
+        spacing = number_of(SPACING, values["track"] | settings["track"], known["track"])
         found = irregularity_parameters(
-            options.irregularity,
-            known["track"],
-            start=float(values["vehicle"].get(POSITION, 0.0)),
-            distance=options.distance,
+            options.irregularity, known["track"], start=start, spacing=spacing
         )
         values["track"].update(checked("track", known["track"], found))
     values["track"].update(settings["track"])
+    check_joint(known["track"], values["track"], start=start, distance=options.distance)
     values["track"].update(wheelset_parameters(known["vehicle"], known["track"], values))
     return values
 

@@ -73,14 +73,14 @@ def test_winter_pads(example):
 
 
 def test_rail_joint(example):
-    text = example("rail_joint.py", 12)
+    text = example("rail_joint.py", 14)
     ((at_rest,),) = numbers("at rest # kN", text)
     ((largest, place),) = numbers("largest # kN at # m", text)
     ((factor,),) = numbers("dynamic factor #", text)
     assert at_rest == pytest.approx(LOAD, rel=1e-3)
     assert factor == pytest.approx(largest / at_rest, abs=1e-3)
     assert factor > 2.0
-    assert 5.5 < place < 6.5  # half way
+    assert 12.0 < place < 13.1  # at mid-span, 12.58 m
 
 
 def test_own_irregularity(example, tmp_path):

@@ -6,7 +6,7 @@ from master_mocks import variable
 from rail_cosim.description import FmuDescription
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.initialisation import initialise
-from rail_cosim.irregularity import irregularity_parameters
+from rail_cosim.irregularity import irregularity_parameters, joint_position
 from rail_cosim.options import RunOptions
 from rail_cosim.runner import gather_parameters
 from rail_cosim.system import SystemStructure
@@ -20,6 +20,8 @@ TRACK = {
         variable("irregularity.rail_joint.side", "parameter", kind="string", choices=SIDES),
         variable("irregularity.rail_joint.position", "parameter", "m", start=20.0),
         variable("irregularity.file.path", "parameter", kind="string", start=""),
+        variable("irregularity.rail_joint.long_wavelength", "parameter", "m", start=1.0),
+        variable("fastener.spacing", "parameter", "m", start=0.629),
         variable("contact.wheel_radius", "parameter", "m", start=0.46, minimum=0.1),
         variable("static_wheel_load", "parameter", "N"),
     )
@@ -32,16 +34,31 @@ VEHICLE = {
         variable("wheelset.radius", "parameter", "m", start=0.43),
     )
 }
-JOINT = {"irregularity.rail_joint.side": "both", "irregularity.rail_joint.position": 60.0}
+JOINT = {"irregularity.rail_joint.side": "both", "irregularity.rail_joint.position": 22.2}
 
 
 def given(text, track=TRACK):
-    return irregularity_parameters(text, track, start=10.0, distance=100.0)
+    return irregularity_parameters(text, track, start=10.0, spacing=0.6)
 
 
-def test_names_are_spectra_or_the_rail_joint_half_way():
+def test_names_are_spectra_or_the_rail_joint():
     assert given("german_low") == {"irregularity.spectrum": "german_low"}
-    assert given("rail_joint") == JOINT
+    assert given("rail_joint")["irregularity.rail_joint.side"] == "both"
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3, -7.0, 1e5])
+@pytest.mark.parametrize("spacing", [0.5, 0.6, 0.629, 0.63])
+def test_the_joint_is_at_the_first_mid_span_12_m_ahead(start, spacing):
+    """Fasteners are at (k + 1/2) spacings along the line."""
+    ahead = joint_position(start, spacing) - start
+    assert 12.0 - 1e-6 <= ahead < 12.0 + spacing
+    to_fasteners = ((start + ahead) / spacing - 0.5) % 1.0
+    assert to_fasteners == pytest.approx(0.5, abs=1e-6)
+
+
+def test_on_the_line_hd_the_joint_is_at_the_middle_of_a_slab():
+    slab = 8 * 0.629
+    assert joint_position(0.0, 0.629) == pytest.approx(2.5 * slab)
 
 
 def test_a_file_becomes_an_absolute_path(tmp_path, monkeypatch):
@@ -82,17 +99,41 @@ def gathered(track=TRACK, vehicle=VEHICLE, **options):
     return gather_parameters(RunOptions(**options), descriptions, {})
 
 
-def test_the_option_starts_from_the_vehicles_position():
+def test_the_joint_does_not_depend_on_the_distance():
+    places = [
+        gathered(irregularity="rail_joint", distance=distance)["track"]
+        for distance in (14, 20, 999)
+    ]
+    assert places[0]["irregularity.rail_joint.position"] == pytest.approx(20 * 0.629)
+    assert places[0] == places[1] == places[2]
+
+
+def test_the_joint_follows_the_start_and_the_spacing_that_are_set():
     found = gathered(
-        irregularity="rail_joint", distance=100.0, settings=["vehicle.initial_position=10"]
+        irregularity="rail_joint",
+        settings=["vehicle.initial_position=10", "track.fastener.spacing=0.6"],
     )
-    assert found["track"] == JOINT
+    assert found["track"] == pytest.approx(JOINT | {"fastener.spacing": 0.6})
 
 
 def test_settings_win_over_the_option():
     text = "track.irregularity.rail_joint.position=33"
     found = gathered(irregularity="rail_joint", settings=[text])
     assert found["track"] == JOINT | {"irregularity.rail_joint.position": 33.0}
+
+
+def test_a_joint_that_the_run_does_not_pass_is_refused():
+    message = (
+        r"--distance = 8.0: the run ends before the rail joint, 12.58 m ahead .*position = 12.58 "
+        r"m\); take at least 13.08 m"
+    )
+    with pytest.raises(ParameterError, match=message):
+        gathered(irregularity="rail_joint", distance=8.0)
+    side = "track.irregularity.rail_joint.side=both"
+    with pytest.raises(ParameterError, match="before the rail joint, 20 m ahead"):
+        gathered(settings=[side], distance=20.0)
+    assert gathered(settings=[side], distance=20.5)["track"]
+    assert gathered(distance=8.0)["track"] == {}
 
 
 @pytest.mark.parametrize(

@@ -88,8 +88,8 @@ def run(
         str | None,
         typer.Option(
             help="Irregularity of the track: german_low, german_high, chinese_ballastless (random, "
-            "see track.irregularity.seed), rail_joint (both rails, half way), or a CSV or NetCDF "
-            "file by distance.",
+            "see track.irregularity.seed), rail_joint (both rails, at the first mid-span between "
+            "fasteners 12 m ahead), or a CSV or NetCDF file by distance.",
             metavar="NAME|FILE",
         ),
     ] = None,
