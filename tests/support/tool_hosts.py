@@ -104,11 +104,11 @@ def run_ecospy(ssp: Path) -> dict[str, np.ndarray]:
 
 def run_ecos_command(ssp: Path, folder: Path) -> dict[str, np.ndarray]:
     """Run the package in the command ``ecos``, a compiled host; return its CSV."""
-    import ecospy
-
+    # Found without being imported: an import would load ecos and with it libtbb into this process.
+    package = Path(importlib.util.find_spec("ecospy").origin).parent
     program = folder / "ecos"
     # The wheel's copy is not marked as executable.
-    program.write_bytes((Path(ecospy.__file__).parent / "binaries" / "ecos").read_bytes())
+    program.write_bytes((package / "binaries" / "ecos").read_bytes())
     program.chmod(0o755)
     environment = os.environ | {
         "LD_PRELOAD": str(shared_python()),
