@@ -118,6 +118,22 @@ def test_mean_comfort_of_two_sines():
     assert float(mean_comfort(lateral, vertical, lateral)) > float(found)
 
 
+def test_the_transient_at_the_start_does_not_count():
+    time = times(20.0, 1000.0)
+    sine = 0.3 * np.sin(2.0 * np.pi * 5.0 * time)
+    steady = signal(sine, time)
+    starting = signal(sine + 20.0 * np.exp(-2.0 * time) * np.sin(2.0 * np.pi * time), time)
+    found, expected = (mean_comfort(one, one, start=5.0) for one in (starting, steady))
+    assert float(found) == pytest.approx(float(expected), rel=1e-3)
+    assert found.attrs["blocks"] == 3
+    assert found.attrs["evaluated_over"] == "5 to 19.999 s"
+    assert float(mean_comfort(starting, starting)) > 3.0 * float(found)
+    for function, name in ((weighted_rms, "Wk"), (sperling_index, "vertical")):
+        found, expected = (function(one, name, start=5.0) for one in (starting, steady))
+        assert float(found) == pytest.approx(float(expected), rel=1e-3)
+        assert found.attrs["evaluated_over"] == "5 to 19.999 s"
+
+
 def test_less_than_five_seconds_have_no_mean_comfort():
     time = times(4.9, 1000.0)
     sine = signal(np.sin(time), time)

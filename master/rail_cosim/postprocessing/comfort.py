@@ -35,7 +35,10 @@ BLOCK = 5.0
 """Length of a block of EN 12299, s."""
 
 BLOCKS = 60
-"""Blocks that EN 12299 wants for the mean comfort: 5 minutes."""
+"""Blocks that EN 12299 requires for the mean comfort: 5 minutes."""
+
+SETTLING = 5.0
+"""Time at the start of a run that is left to its transient, s: the first block."""
 
 _SPERLING_FACTOR = (100.0 * np.sqrt(2.0)) ** 0.3
 
@@ -50,22 +53,34 @@ def weighted_rms(acceleration: xr.DataArray, name: str, *, start: float = 0.0) -
     name
         Of the weighting, see :func:`rail_cosim.postprocessing.weighted`.
     start
-        Time in s from which on it counts; what is before goes through the filter only.
+        Time in s from which on it counts, so that the transient at the start of a run does not
+        (:data:`SETTLING`); what is before goes through the filter only.
 
     Returns
     -------
     xarray.DataArray
         Without ``time``, in m/s2.
     """
-    chosen = weighted(acceleration, name)
-    chosen = chosen.isel(time=chosen["time"].to_numpy() >= start)
-    if chosen.sizes["time"] == 0:
-        raise ParameterError("start", start, "must be before the end of the record")
+    chosen = _from(weighted(acceleration, name), start)
     found = (chosen**2).mean("time") ** 0.5
-    return found.assign_attrs(units="m/s2", weighting=name)
+    return found.assign_attrs(units="m/s2", weighting=name, evaluated_over=_window(chosen))
 
 
-def continuous_comfort(acceleration: xr.DataArray, name: str) -> xr.DataArray:
+def _from(array: xr.DataArray, start: float) -> xr.DataArray:
+    found = array.isel(time=array["time"].to_numpy() >= start)
+    if found.sizes["time"] == 0:
+        raise ParameterError("start", start, "must be before the end of the record")
+    return found
+
+
+def _window(array: xr.DataArray) -> str:
+    time = array["time"].to_numpy()
+    return f"{time[0]:.6g} to {time[-1]:.6g} s" if time.size else ""
+
+
+def continuous_comfort(
+    acceleration: xr.DataArray, name: str, *, start: float = 0.0
+) -> xr.DataArray:
     """Return the weighted root mean square of blocks of 5 s, one after the other (EN 12299).
 
     Parameters
@@ -74,28 +89,34 @@ def continuous_comfort(acceleration: xr.DataArray, name: str) -> xr.DataArray:
         In m/s2; dimensions ``time`` and any others.
     name
         ``Wd`` horizontally, ``Wb`` vertically.
+    start
+        Time in s from which on it counts, see :func:`weighted_rms`.
 
     Returns
     -------
     xarray.DataArray
-        Dimension ``time``: the end of each block in s; empty for a record of less than 5 s.
+        Dimension ``time``: the end of each block in s; empty where less than 5 s count.
     """
     step = time_step(acceleration)
     rows = round(BLOCK / step)
-    squares = weighted(acceleration, name) ** 2
+    squares = _from(weighted(acceleration, name), start) ** 2
     count = squares.sizes["time"] // rows
     whole = squares.isel(time=slice(0, count * rows))
     if count == 0:
         found = whole**0.5
     else:
         found = whole.coarsen(time=rows).reduce(np.mean) ** 0.5
-        begin = float(acceleration["time"].to_numpy()[0])
+        begin = float(squares["time"].to_numpy()[0])
         found = found.assign_coords(time=begin + BLOCK * np.arange(1, count + 1))
-    return found.assign_attrs(units="m/s2", weighting=name)
+    return found.assign_attrs(units="m/s2", weighting=name, evaluated_over=_window(whole))
 
 
 def mean_comfort(
-    lateral: xr.DataArray, vertical: xr.DataArray, longitudinal: xr.DataArray | None = None
+    lateral: xr.DataArray,
+    vertical: xr.DataArray,
+    longitudinal: xr.DataArray | None = None,
+    *,
+    start: float = 0.0,
 ) -> xr.DataArray:
     """Return the mean comfort index N_MV of EN 12299 at the floor.
 
@@ -103,28 +124,33 @@ def mean_comfort(
     ----------
     lateral, vertical, longitudinal
         Accelerations in m/s2 with the same dimensions; without a longitudinal one it counts as 0.
+    start
+        Time in s from which on it counts, see :func:`weighted_rms`.
 
     Returns
     -------
     xarray.DataArray
-        Without ``time``; not a number for a record shorter than 5 s. Its attribute ``blocks`` is
-        the number of blocks: the standard wants 60.
+        Without ``time``; not a number where less than 5 s count. Its attribute ``blocks`` is
+        the number of blocks: the standard requires 60.
     """
     directions = [(lateral, "Wd"), (vertical, "Wb")]
     if longitudinal is not None:
         directions.append((longitudinal, "Wd"))
     squares = []
-    blocks = 0
+    blocks, window = 0, ""
     for acceleration, name in directions:
-        values = continuous_comfort(acceleration, name)
-        blocks = values.sizes["time"]
+        values = continuous_comfort(acceleration, name, start=start)
+        blocks, window = values.sizes["time"], values.attrs["evaluated_over"]
         if blocks == 0:
             squares.append(acceleration.isel(time=0, drop=True) * np.nan)
         else:
             squares.append(values.quantile(0.95, "time").drop_vars("quantile") ** 2)
     found = 6.0 * np.sqrt(sum(squares[1:], squares[0]))
     return found.rename("mean_comfort").assign_attrs(
-        units="1", long_name="mean comfort N_MV, EN 12299", blocks=blocks
+        units="1",
+        long_name="mean comfort N_MV, EN 12299",
+        blocks=blocks,
+        evaluated_over=window,
     )
 
 
@@ -165,7 +191,8 @@ def sperling_index(
         raise ParameterError("direction", direction, "must be lateral or vertical")
     rms = weighted_rms(acceleration, f"sperling_{direction}", start=start)
     found = _SPERLING_FACTOR * rms**0.3
-    return found.assign_attrs(units="1", long_name=f"Sperling index Wz, {direction}")
+    about = {"units": "1", "long_name": f"Sperling index Wz, {direction}"}
+    return found.assign_attrs(about, evaluated_over=rms.attrs["evaluated_over"])
 
 
 def sperling_of_sine(amplitude: float, frequency: float, direction: str) -> float:
