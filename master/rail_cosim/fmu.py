@@ -239,8 +239,8 @@ class FmuSlave:
 
     def exit_initialization(self) -> None:
         """Leave initialization mode."""
+        self._check_held_error("fmi2ExitInitializationMode")  # before it comes as fmi2Fatal
         self._call("exitInitializationMode")
-        self._check_held_error("fmi2ExitInitializationMode")
 
     def do_step(self, time: float, step_size: float) -> None:
         """Advance from ``time`` by ``step_size`` seconds."""
@@ -293,7 +293,7 @@ class FmuSlave:
             self.fail(error.function, error.status, error)
 
     def _check_held_error(self, call: str) -> None:
-        """Raise what a slave made with pythonfmu holds back, having no way to return a status."""
+        """Raise what a slave made with ``rail_fmi`` would refuse with ``fmi2Fatal``."""
         variable = self.variables.get(HELD_ERROR)
         if (
             variable is not None
@@ -306,7 +306,8 @@ class FmuSlave:
         """Raise the error for a status that ends the run, with what the FMU said."""
         known = Status(status) if status in list(Status) else Status.FATAL
         self._usable = known not in (Status.ERROR, Status.FATAL)
-        self._may_free = known is not Status.FATAL
+        # What was made with rail_fmi has no other status for an error of one instance.
+        self._may_free = known is not Status.FATAL or HELD_ERROR in self.variables
         said = self._log.problems()
         refused = self.time is None and self._names_parameter(said)
         kind = RefusalError if refused else SlaveError

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections import deque
 
 from rail_cosim.slave import Message, Status
 
 _KEPT = 1000
 _REPORTED = 5
+_WRAPPING = re.compile(r"^Fatal py exception encountered: \[\w+\] \w+\n")  # by pythonfmu
 _numbers = itertools.count(1)
 _logs: dict[int, Log] = {}
 
@@ -32,7 +34,7 @@ class Log:
     def add(self, status: int, text: str) -> None:
         """Keep one message."""
         known = Status(status) if status in list(Status) else Status.ERROR
-        text = text.strip()
+        text = _WRAPPING.sub("", text).strip()
         self._messages.append(Message(status=known, text=text))
         if known is Status.WARNING and text not in self._seen:
             self._seen.add(text)

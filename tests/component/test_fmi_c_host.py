@@ -35,7 +35,12 @@ def host():
         archive.extractall(place)
 
     def run(
-        steps: int, bad_text: bool = False, before: Sequence[str] = (), **environment: str
+        steps: int,
+        bad_text: bool = False,
+        logging: bool = True,
+        mass: float = 0.0,
+        before: Sequence[str] = (),
+        **environment: str,
     ) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [
@@ -45,6 +50,8 @@ def host():
                 (place / "resources").as_uri(),
                 str(steps),
                 str(int(bad_text)),
+                str(int(logging)),
+                str(mass),
             ],
             env=os.environ
             | {
@@ -65,16 +72,27 @@ def host():
 def test_runs_and_ends_without_a_crash(host):
     done = host(50)
     assert done.returncode == 0, done.stderr
-    status, force, mass, stiffness, _ = done.stdout.split()
-    assert (status, float(force), float(mass), float(stiffness)) == ("0", 1.0, 100.0, 1.0e4)
+    status, force, mass, stiffness, _, left = done.stdout.split()
+    assert (status, left) == ("0", "0")
+    assert (float(force), float(mass), float(stiffness)) == (1.0, 100.0, 1.0e4)
     assert "started at 100 %" in done.stderr
 
 
 def test_text_that_is_not_utf8_is_an_error(host):
     done = host(1, bad_text=True)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("2 ")
+    assert done.stdout.startswith("4 ")
     assert "is not UTF-8" in done.stderr
+
+
+@pytest.mark.parametrize("logging", [False, True])
+def test_refused_parameter_is_a_status_and_a_text(host, logging):
+    """A host that goes on all the same, and frees the instance, does not crash."""
+    done = host(3, logging=logging, mass=-1.0)
+    assert done.returncode == 0, done.stderr
+    assert (done.stdout.split()[0], done.stdout.split()[-1]) == ("4", "4")
+    reason = "MassSpring (c host): mass = -1.0: must be from 0 to 1e+06 kg"
+    assert done.stderr.count(reason) == (4 if logging else 1), done.stderr
 
 
 def test_calls_keep_the_thread_state(host):
@@ -105,8 +123,9 @@ def test_valgrind_finds_no_wrong_use_of_memory(host, tmp_path):
     options = ["--leak-check=no", "--undef-value-errors=no", "--error-exitcode=99", "-q"]
     done = host(
         20,
+        bad_text=True,  # 19 steps, and errors in two calls
         before=["valgrind", *options, f"--suppressions={known}"],
         PYTHONMALLOC="malloc",  # Python's own pools would hide it
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("0 ")
+    assert done.stdout.startswith("4 ")

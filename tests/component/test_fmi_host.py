@@ -88,18 +88,57 @@ FAULTY = {
 }
 
 
-def test_faulty_set_up_is_logged_once_and_refuses_steps():
+def test_faulty_set_up_is_refused_with_its_reason():
     run(f"""
         for values, message in {FAULTY!r}.items():
-            host = Host(F, values).initialize(**eval(f"dict({{values}})"))
-            (text,) = host.texts()
+            host = Host(F, values)
+            assert host.refusal("initialize", **eval(f"dict({{values}})")) == 4
+            (text,) = host.texts(4)
             assert message in text and message in host.get("status.message"), (values, text)
-            assert host.step() == 2 == host.step() and host.fmu.getBooleanStatus(3)
-            assert host.texts() == [text]
+            assert host.step() == 4 == host.step()
+            assert math.isnan(host.get("position")) and not math.isnan(host.get("mass"))
             host.fmu.reset()
             assert host.initialize().step() is None and host.get("status.message") == ""
             host.close()
     """)
+
+
+def test_refused_instances_are_given_back():
+    """At an exception pythonfmu gives its references back twice; see ``GuardedSlave``."""
+    run(
+        """
+        for i in range(10):
+            host = Host(F, f"i{i}", logging=i % 2)
+            host.refusal("initialize", mass=-1.0); gc.collect()
+            host.fmu.reset(); host.initialize(); host.set(error="step")
+            assert host.step() == 4 == host.step(); gc.collect(); host.close()
+        gc.collect()
+        assert not [o for o in gc.get_objects() if type(o).__name__ == "MassSpring"]
+        """,
+        PYTHONMALLOC="debug",
+        MALLOC_PERTURB_="165",
+    )
+
+
+def test_reason_is_on_stderr_unless_logging_is_on():
+    done = run_process(
+        """
+        import sys; from fmu_host import Host
+        for i, logging in enumerate((False, True, False, True, True)):
+            host = Host(sys.argv[1], f"i{i}", logging=logging)
+            if i in (2, 3): host.fmu.setDebugLogging(not logging, [])
+            if i == 4: host.fmu.setDebugLogging(True, ["logStatusError"])  # not pythonfmu's own
+            assert host.refusal("initialize", mass=-1.0 - i) == 4
+            print(len(host.texts(4)))
+            host.close()
+        """,
+        mass_spring_fmu(),
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["0", "1", "1", "0", "0"]
+    told = [f"MassSpring (i{i}): mass = {-1.0 - i}: must be from 0 to 1e+06 kg" for i in (0, 3, 4)]
+    lines = done.stderr.splitlines()
+    assert len(lines) == 3 and all(map(str.startswith, lines, told)), done.stderr
 
 
 def test_corrected_set_up_runs():
@@ -124,11 +163,12 @@ def test_error_in_a_step_ends_the_run():
     run(f"""
         for error, message in {ON_DEMAND!r}.items():
             host = Host(F, error).initialize(); assert host.step(3) is None
-            host.set(error=error); assert host.step() == 2 == host.step(), error
-            (text,) = host.texts()
+            host.set(error=error); assert host.step() == 4, error
+            (text,) = host.texts(4)
             assert message in text, text
             assert message.partition("\\nTrace")[0] in host.get("status.message")
-            assert host.fmu.getBooleanStatus(3) and host.fmu.getRealStatus(2) == host.time
+            assert math.isnan(host.get("position")) and host.step() == 4
+            assert math.isnan(struct.unpack("<d", bytes.fromhex(host.get("outputs.packed"))[:8])[0])
             host.close()
     """)
 
@@ -144,18 +184,34 @@ def test_any_text_can_be_logged():
 def test_misuse_of_the_interface_is_an_error_not_a_crash():
     run("""
         import ctypes
-        host = Host(F).initialize(); host.fmu.setReal([99], [1.0])
-        assert math.isnan(host.fmu.getReal([99])[0])
-        assert "value reference 99 does not exist: there are 8" in host.texts()[0]
-        assert host.step() == 2; host.close()
-        host = Host(F, "late").initialize(); host.set(mass=2.0)
-        assert "mass is a fixed parameter" in host.texts()[0]; host.close()
+        host = Host(F).initialize()
+        assert host.refusal("setReal", [99], [1.0]) == 4 == host.refusal("getReal", [99])
+        assert "value reference 99 does not exist: there are 8" in host.texts(4)[0]
+        assert host.step() == 4; host.close()
+        host = Host(F, "late").initialize(); assert host.refusal("set", mass=2.0) == 4
+        assert "mass is a fixed parameter" in host.texts(4)[0]; host.close()
+        host = Host(F, "output").initialize(); assert host.refusal("set", position=2.0) == 4
+        assert "position is calculated by the model" in host.texts(4)[0]; host.close()
         host = Host(F, "early")
-        assert host.step() == 2 and "initialise first" in host.texts()[0]; host.close()
+        assert host.step() == 4 and "initialise first" in host.texts(4)[0]; host.close()
         host = Host(F, "latin")
         text, reference = (ctypes.c_char_p * 1)(b"M\\xfcller"), (ctypes.c_uint * 1)(0)
-        host.fmu.fmi2SetString(host.fmu.component, reference, 1, text)
-        assert "is not UTF-8" in host.texts()[0]; host.close()
+        assert host.refusal("fmi2SetString", host.fmu.component, reference, 1, text) == 4
+        assert "is not UTF-8" in host.texts(4)[0]; host.close()
+    """)
+
+
+def test_step_from_another_time_is_refused():
+    run("""
+        for wrong in (1.1e-3, 0.0, 1.0, -1e-3, math.nan):
+            host = Host(F, str(wrong)).initialize(); assert host.step() is None
+            host.time = wrong; assert host.step() == 4
+            assert f"from t = {wrong!r} s was asked for, but" in host.texts(4)[0]
+            assert "ended at t = 0.001 s" in host.texts(4)[0]; host.close()
+        host = Host(F, "rounding").initialize()
+        for i in range(1000):
+            host.time = 1e-3 * i * (1 + 1e-15); assert host.step() is None
+        host.time -= 5e-7; assert host.step() is None; host.close()
     """)
 
 
@@ -163,8 +219,8 @@ def test_input_that_is_not_finite_is_named():
     run("""
         host = Host(F).initialize(); host.set(force=math.inf); host.set(force=1.0)
         assert host.step() is None
-        host.set(force=math.nan); assert host.step() == 2
-        assert "values must be finite: force = nan" in host.texts()[0]; host.close()
+        host.set(force=math.nan); assert host.step() == 4
+        assert "values must be finite: force = nan" in host.texts(4)[0]; host.close()
     """)
 
 
@@ -173,8 +229,8 @@ def test_input_that_is_not_finite_is_named_after_it_came_with_a_state():
         host = Host(F).initialize(); host.step(3)
         host.set(force=math.nan); state = host.fmu.getFMUstate()
         host.set(force=1.0); assert host.step() is None
-        host.fmu.setFMUstate(state); assert host.step() == 2
-        assert "values must be finite: force = nan" in host.texts()[0]
+        host.fmu.setFMUstate(state); host.time = 0.003; assert host.step() == 4
+        assert "values must be finite: force = nan" in host.texts(4)[0]
         host.fmu.freeFMUstate(state); host.close()
     """)
 
@@ -205,7 +261,7 @@ def test_state_saved_and_set_gives_the_same_bits():
         for _ in range(2):
             host.time = 0.017; host.fmu.setFMUstate(state); host.step(30)
             assert host.outputs() == wanted, (host.outputs(), wanted)
-        host.set(error="step"); assert host.step() == 2
+        host.set(error="step"); assert host.step() == 4
         host.time = 0.017; host.fmu.setFMUstate(state); assert host.step(30) is None
         assert host.outputs() == wanted and host.get("status.message") == ""
         host.fmu.freeFMUstate(state); host.close()
@@ -240,8 +296,8 @@ def test_damaged_or_foreign_state_is_refused():
     run(
         """
         def refused(host, data):
-            host.fmu.setFMUstate(host.fmu.deSerializeFMUstate(data))
-            assert host.step() == 2; text = host.texts()[-1]; host.close(); return text
+            assert host.refusal("setFMUstate", host.fmu.deSerializeFMUstate(data)) == 4
+            assert host.step() == 4; text = host.texts(4)[-1]; host.close(); return text
         host = Host(F).initialize(); state = host.fmu.getFMUstate()
         data = host.fmu.serializeFMUstate(state); host.close()
         for i in range(0, len(data), 97):

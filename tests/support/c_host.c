@@ -1,9 +1,10 @@
 /* A host that is not Python: runs an FMU's shared library and times its calls.
 
-   c_host LIBRARY RESOURCES_URI STEPS BAD_TEXT
+   c_host LIBRARY RESOURCES_URI STEPS BAD_TEXT LOGGING MASS
    prints: status of the last step, outputs of reals 0..2, microseconds per
-   (set, step, get). With BAD_TEXT = 1 the first string is set to text that is
-   not UTF-8 before the steps. Messages go to stderr. */
+   (set, step, get), status of leaving initialization mode. With BAD_TEXT = 1
+   the first string is set to text that is not UTF-8 before the last step. MASS,
+   if not 0, is given to real 1. No status stops it. Messages go to stderr. */
 
 #include <dlfcn.h>
 #include <stdarg.h>
@@ -45,11 +46,11 @@ int main(int count, char **arguments) {
     double values[3] = {1.0, 0.0, 0.0};
     const char *bad = "\xff\xfe";
     long steps = count > 3 ? atol(arguments[3]) : 0;
-    int status = 0;
+    int status = 0, left;
     struct timespec begin, end;
     component c;
 
-    library = count > 4 ? dlopen(arguments[1], RTLD_NOW) : NULL;
+    library = count > 6 ? dlopen(arguments[1], RTLD_NOW) : NULL;
     if (!library) { fprintf(stderr, "cannot load: %s\n", dlerror()); return 2; }
     component (*instantiate)(const char *, int, const char *, const char *, const callbacks *, int,
                              int) = symbol("fmi2Instantiate");
@@ -63,15 +64,18 @@ int main(int count, char **arguments) {
     int (*terminate)(component) = symbol("fmi2Terminate");
     void (*release)(component) = symbol("fmi2FreeInstance");
 
-    c = instantiate("c host", 1, "", arguments[2], &functions, 0, 1);
+    c = instantiate("c host", 1, "", arguments[2], &functions, 0,
+                    atoi(arguments[5]));
     if (!c) { fprintf(stderr, "not instantiated\n"); return 3; }
     setup(c, 0, 0.0, 0.0, 0, 0.0);
     enter(c);
-    leave(c);
-    if (atoi(arguments[4])) say(c, &first, 1, &bad);
+    values[1] = atof(arguments[6]);
+    if (values[1] != 0.0) set(c, references + 1, 1, values + 1);
+    left = leave(c);
     clock_gettime(CLOCK_MONOTONIC, &begin);
     for (long i = 0; i < steps; i++) {
         set(c, references, 1, values);
+        if (i == steps - 1 && atoi(arguments[4])) say(c, &first, 1, &bad);
         status = step(c, i * 1e-4, 1e-4, 1);
         get(c, references, 3, values);
     }
@@ -80,7 +84,7 @@ int main(int count, char **arguments) {
     terminate(c);
     release(c);
     dlclose(library);
-    printf("%d %.17g %.17g %.17g %.3f\n", status, values[0], values[1], values[2],
-           steps ? 1e6 * duration / steps : 0.0);
+    printf("%d %.17g %.17g %.17g %.3f %d\n", status, values[0], values[1], values[2],
+           steps ? 1e6 * duration / steps : 0.0, left);
     return 0;
 }

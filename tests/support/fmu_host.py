@@ -77,6 +77,14 @@ class Host:
             self.time += size
         return status
 
+    def refusal(self, call: str, *arguments: Any, **values: Any) -> int:
+        """Call a method that must fail; return the status that it fails with."""
+        try:
+            getattr(self, call, getattr(self.fmu, call, None))(*arguments, **values)
+        except FMICallException as error:
+            return error.status
+        raise AssertionError(f"{call} did not fail")
+
     def outputs(self) -> tuple[Any, ...]:
         return tuple(self.get(v.name) for v in self.about.modelVariables if v.causality == "output")
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import fmpy
 import numpy as np
+from fmpy.fmi1 import FMICallException
 from fmu_host import Host
 
 SPEED = 300.0 / 3.6
@@ -27,7 +28,7 @@ LOAD = 69.21e3  # N, static, of one wheel
 def simulate(path: Path, interval: float, count: int, **options: Any) -> np.ndarray:
     """Run one FMU in ``fmpy.simulate_fmu`` for ``count`` steps; return what it recorded.
 
-    ``simulate_fmu`` stops silently when a step is refused, so the number of rows is checked.
+    The number of rows is checked, since the interval may not divide the time.
     """
     with contextlib.redirect_stdout(io.StringIO()):  # it names every input that is not given
         result = fmpy.simulate_fmu(
@@ -208,12 +209,15 @@ def _slides(host: Host) -> int:
     return host.get("window.slide_count") if "window.slide_count" in host.vars else 0
 
 
-def refused_steps(path: Path, **parameters: Any) -> tuple[int, str]:
-    """Initialise with these parameters; return the status of a step, and the message held."""
-    host = Host(str(path)).initialize(**parameters)
-    status, text = host.step(size=STEP), host.get("status.message")
-    host.close()
-    return status, text
+def refused_simulation(path: Path, **start_values: Any) -> tuple[str, str]:
+    """Simulate in fmpy; return the text of the exception, and what is on stderr."""
+    error, stderr = "", io.StringIO()
+    with contextlib.redirect_stderr(stderr):
+        try:
+            fmpy.simulate_fmu(str(path), start_values=start_values, stop_time=0.01)
+        except FMICallException as caught:
+            error = str(caught)
+    return error, stderr.getvalue()
 
 
 def example_loads(script: Path, track: Path) -> dict[str, tuple[complex, complex]]:

@@ -1,7 +1,7 @@
 """What cannot be run is refused with name, value, limit and the nearest name, by exit status 2."""
 
 import pytest
-from fmu_probes import command_lines, refused_steps
+from fmu_probes import command_lines, refused_simulation
 
 REFUSED = {
     "misspelt parameter": (
@@ -95,11 +95,12 @@ def test_refusal_of_an_fmu_is_passed_on(fmus, setting):
 
 
 def test_fmus_refuse_in_any_tool(fmus):
-    """Without our master: the step is discarded, and the reason can be read."""
-    discard = 2
-    status, text = fmus.call(refused_steps, fmus.track, **{"fastener.vertical_stiffness": -40e6})
-    assert status == discard
-    assert "fastener.vertical_stiffness = -4" in text
-    status, text = fmus.call(refused_steps, fmus.vehicle, **{"wheelset.mass": float("nan")})
-    assert status == discard
-    assert "wheelset.mass = nan" in text
+    """In fmpy with logging off: an exception, and the reason on stderr."""
+    for fmu, name, value in (
+        (fmus.track, "fastener.vertical_stiffness", -40e6),
+        (fmus.vehicle, "car_body.mass", -1.0),
+        (fmus.vehicle, "wheelset.mass", float("nan")),
+    ):
+        error, told = fmus.call(refused_simulation, fmu, **{name: value})
+        assert error == "fmi2ExitInitializationMode failed with status 4 (fatal)."
+        assert f"{name} = {value}: must be" in told

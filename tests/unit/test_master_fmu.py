@@ -174,7 +174,7 @@ def test_presets_then_options_then_settings(ran):
 def test_an_error_of_an_fmu_keeps_what_was_recorded(ran):
     status, out, err = ran[1]["broken"]
     assert status == 1
-    assert "track: fmi2DoStep failed at t = 0.0999 s (status discard): " in err
+    assert "track: fmi2DoStep failed at t = 0.0999 s (status fatal): " in err
     assert "the rail is broken, 100 %;\nweld it" in err
     assert "what was recorded is in broken.nc, marked incomplete" in err
     assert "incomplete run: 999 of 2400 steps" in out

@@ -16,14 +16,25 @@ from rail_fmi.errors import RailFmiError
 _EXPECTED = (RailFmiError, ParameterError)
 
 
-class GuardedSlave(Fmi2Slave):
-    """A slave whose errors are logged and held, and never reach the host as exceptions.
+class Refusal(Exception):
+    """What pythonfmu's C++ layer turns into a status of error; ``repr`` is what it logs."""
 
-    pythonfmu turns an exception into ``fmi2Fatal`` and frees the instance twice.
+    def __repr__(self) -> str:
+        return str(self)
+
+
+class GuardedSlave(Fmi2Slave):
+    """A slave whose errors are held, told, and end the host's call with a status of error.
+
+    The C++ layer of pythonfmu 0.7 knows one way to such a status: an exception,
+    which gives ``fmi2Fatal`` with its text. It gives back its references to the
+    instance then and again at the end, so one more of each is taken before.
+    Used without a host, from Python, a slave raises nothing and holds its error.
     """
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
+        self._logger: int = kwargs.get("logger", 0)
         self._early_log: list[Any] | None = []
         self._thread = 0
         self._run_error = self._setup_error = self._last_logged = ""
@@ -37,11 +48,11 @@ class GuardedSlave(Fmi2Slave):
         """Make :attr:`held_error` known to the host."""
 
     def info(self, text: str) -> None:
-        """Log a message for the user."""
+        """Log a message for the user; seen only with logging on."""
         self.log(text)
 
     def warn(self, text: str) -> None:
-        """Log a warning."""
+        """Log a warning, which goes to stderr if the host has logging off."""
         self.log(text, Fmi2Status.warning)
 
     def log(
@@ -52,6 +63,8 @@ class GuardedSlave(Fmi2Slave):
         debug: Any = None,
     ) -> None:
         """Log a message; any text is safe."""
+        if status != Fmi2Status.ok and self._logger and not host.logging_is_on(self._logger):
+            host.tell_on_stderr(str(msg))
         super().log(host.printable(str(msg)), status, category)
         if self._early_log is not None:
             # A message left in the queue when the instance is freed crashes: it
@@ -70,6 +83,7 @@ class GuardedSlave(Fmi2Slave):
                 sys.path.remove(self.resources)
 
     def _hold(self, error: BaseException, *, setup: bool = False) -> None:
+        """Keep an error and log it, each text once."""
         text = str(error) if isinstance(error, _EXPECTED) else _described(error)
         text = host.encodable(f"{self.modelName} ({self.instance_name}): {text}")
         if setup:
@@ -82,14 +96,31 @@ class GuardedSlave(Fmi2Slave):
             self.log(text + details, Fmi2Status.error)
         self._publish_status()
 
+    def _refuse(self) -> None:
+        """End the host's call with a status of error and what has been logged in it.
+
+        The messages go with the exception: with one pending, the C++ layer may lose it
+        over a queue that is not empty.
+        """
+        if not self._logger:
+            return
+        texts = [message.msg for message in self.log_queue]
+        self.log_queue.clear()
+        reason = host.printable(self.held_error)
+        if not any(reason in text for text in texts):
+            texts.append(reason)
+        host.add_references(type(self), self, self.log_queue)
+        raise Refusal("\n".join(texts))
+
     def _guarded(self, work: Callable[[], Any], default: Any = None) -> Any:
         try:
             if threading.get_ident() != self._thread:
                 self._enter()
             return work()
-        except BaseException as error:  # the host must not see an exception
+        except BaseException as error:
             self._hold(error)
-            return default
+        self._refuse()
+        return default
 
 
 def _described(error: BaseException) -> str:

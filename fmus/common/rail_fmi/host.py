@@ -1,6 +1,7 @@
 """What protects the host: text that its logger can print, and cheap calls from its threads."""
 
 import _ctypes
+import contextlib
 import ctypes
 import os
 import sys
@@ -28,6 +29,34 @@ def printable(message: str) -> str:
 def encodable(text: str) -> str:
     r"""Return ``text`` with what UTF-8 cannot express written as ``\udc..``."""
     return text.encode("utf-8", "backslashreplace").decode("utf-8")
+
+
+def logging_is_on(logger: int) -> bool:
+    """Return whether the host's logger gets all messages of an instance.
+
+    Parameters
+    ----------
+    logger
+        Address of pythonfmu's ``PyLogger``, which an instance is given: a virtual table, the
+        flag, the instance name, and the vector of categories to which messages are limited.
+    """
+    if not sys.platform.startswith("linux"):
+        return False  # not tried; then the text is on stderr too
+    on = ctypes.c_bool.from_address(logger + 8).value
+    first, last = (ctypes.c_void_p * 2).from_address(logger + 48)
+    return on and first == last
+
+
+def tell_on_stderr(text: str) -> None:
+    """Write a text to stderr, if there is one; a program without a console has none."""
+    with contextlib.suppress(Exception):
+        print(encodable(text), file=sys.stderr, flush=True)
+
+
+def add_references(*objects: object) -> None:
+    """Take one more reference to each object, which C++ code gives back."""
+    for thing in objects:
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(thing))
 
 
 def keep_thread_state() -> None:

@@ -16,6 +16,9 @@ from rail_fmi.identity import Identity, read_identity
 from rail_fmi.slave_values import Mode, ValueSlave
 from rail_fmi.variables import KEEP_FIRST_INPUTS
 
+TIME_TOLERANCE = 1e-3
+"""How far a step may begin from where the last one ended, as a part of it: hosts round."""
+
 
 class RailSlave(ValueSlave):
     """Base of the slaves: variables, checks, state and errors; no physics.
@@ -25,7 +28,8 @@ class RailSlave(ValueSlave):
     ``default_experiment``, and write the hooks :meth:`declare`,
     :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`save`
     and :meth:`restore`. A hook may raise anything: the error is logged with its
-    text, held, and every step from then on is refused.
+    text and held, the host's call ends with a status of error, as does every step
+    from then on, and outputs are not-a-number.
 
     Attributes
     ----------
@@ -135,6 +139,8 @@ class RailSlave(ValueSlave):
                 self._first_inputs = self.reals[self._real_inputs()]
 
         self._guarded(work)
+        if self.held_error:
+            self._refuse()
 
     def _real_inputs(self) -> np.ndarray:
         inputs = self.table.with_causality("input")
@@ -161,31 +167,40 @@ class RailSlave(ValueSlave):
     # Steps
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Make one step; return whether it was made."""
+        """Make one step; return whether it was made (a host gets a status of error if not)."""
         try:
             if threading.get_ident() != self._thread:
                 self._enter()
-            if self._run_error or self._setup_error:
-                return False
-            if self._mode != Mode.RUNNING:
-                raise StepError(f"a step was asked for in mode {self._mode}; initialise first")
-            if not 0.0 < step_size < math.inf:
-                raise StepError(f"the step size must be positive and finite, not {step_size!r} s")
-            if self._first_inputs is not None:
-                self.reals[self._real_inputs()] = self._first_inputs
-                self._first_inputs = None
-            if self._suspect:
-                self._check_finite("input", "parameter")
-                self._check_sizes()
-                self._suspect = False
-            self.step(current_time, step_size)
-            if not self.CHECKS_OUTPUTS and self._zeros.dot(self._checked) != 0.0:
-                self._check_finite("output")  # for the product is no number if one of them is not
-            self.time = current_time + step_size
+            if not (self._run_error or self._setup_error):
+                self._make_step(current_time, step_size)
+                return True
         except BaseException as error:
             self._hold(error)
-            return False
-        return True
+        self._refuse()
+        return False
+
+    def _make_step(self, current_time: float, step_size: float) -> None:
+        if self._mode != Mode.RUNNING:
+            raise StepError(f"a step was asked for in mode {self._mode}; initialise first")
+        if not 0.0 < step_size < math.inf:
+            raise StepError(f"the step size must be positive and finite, not {step_size!r} s")
+        if not abs(current_time - self.time) <= TIME_TOLERANCE * step_size + math.ulp(self.time):
+            raise StepError(
+                f"a step from t = {current_time!r} s was asked for, but the last one ended at "
+                f"t = {self.time!r} s, or the start was then; go on from there, or set a state "
+                "(fmi2SetFMUstate) first"
+            )
+        if self._first_inputs is not None:
+            self.reals[self._real_inputs()] = self._first_inputs
+            self._first_inputs = None
+        if self._suspect:
+            self._check_finite("input", "parameter")
+            self._check_sizes()
+            self._suspect = False
+        self.step(current_time, step_size)
+        if not self.CHECKS_OUTPUTS and self._zeros.dot(self._checked) != 0.0:
+            self._check_finite("output")  # for the product is no number if one of them is not
+        self.time = current_time + step_size
 
     def terminate(self) -> None:
         """End the run."""

@@ -89,7 +89,8 @@ class ValueSlave(GuardedSlave):
         self._find_outputs()
 
     def _find_outputs(self) -> None:
-        """Find what :data:`PACKED_OUTPUTS` consists of."""
+        """Find what is calculated, and what :data:`PACKED_OUTPUTS` consists of."""
+        self._calculated = np.array([not v.settable for v in self.table.of_kind["real"]], bool)
         outputs = self.table.with_causality("output")
         places = {
             kind: [self.table.reference(v.name) for v in outputs if v.kind == kind]
@@ -167,10 +168,18 @@ class ValueSlave(GuardedSlave):
             plan = self._store.plan(vrs)
             if plan.observed:
                 self._observe()
-            return self.reals[plan.index].tolist()
+            return self._shown(plan.index).tolist()
         except BaseException as error:
             self._hold(error)
-            return [math.nan] * len(vrs)
+        self._refuse()
+        return [math.nan] * len(vrs)
+
+    def _shown(self, index: Any) -> np.ndarray:
+        """Return reals as a host may see them: after an error no output looks like a result."""
+        values = self.reals[index]
+        if self._run_error or self._setup_error:
+            return np.where(self._calculated[index], math.nan, values)
+        return values
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Write reals by value reference."""
@@ -189,8 +198,10 @@ class ValueSlave(GuardedSlave):
             if not given.dot(given) < LARGEST_SQUARE:  # nor is it with one that is no number
                 self._suspect = True
             self._stale = self._mode == Mode.INITIALIZING
+            return
         except BaseException as error:
             self._hold(error)
+        self._refuse()
 
     @staticmethod
     def _refused(readonly: str, fixed: str) -> StepError:
@@ -229,7 +240,8 @@ class ValueSlave(GuardedSlave):
             return [self._store.integers[self._store.checked("integer", vr)] for vr in vrs]
         except BaseException as error:
             self._hold(error)
-            return [0] * len(vrs)
+        self._refuse()
+        return [0] * len(vrs)
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
         """Return booleans by value reference."""
@@ -251,10 +263,11 @@ class ValueSlave(GuardedSlave):
             return texts
         except BaseException as error:
             self._hold(error)
-            return [""] * len(vrs)
+        self._refuse()
+        return [""] * len(vrs)
 
     def _pack_outputs(self) -> str:
-        self._packed_reals[:] = self.reals[self._real_outputs]
+        self._packed_reals[:] = self._shown(self._real_outputs)
         for place, reference in self._integer_outputs:
             self._packed[place] = self._store.integers[reference]
         return self._packed.data.hex()
