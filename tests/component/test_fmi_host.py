@@ -138,7 +138,8 @@ def test_reason_is_on_stderr_unless_logging_is_on():
     assert done.stdout.split() == ["0", "1", "1", "0", "0"]
     told = [f"MassSpring (i{i}): mass = {-1.0 - i}: must be from 0 to 1e+06 kg" for i in (0, 3, 4)]
     lines = done.stderr.splitlines()
-    assert len(lines) == 3 and all(map(str.startswith, lines, told)), done.stderr
+    assert len(lines) == 3, done.stderr
+    assert all(map(str.startswith, lines, told)), done.stderr
 
 
 def test_corrected_set_up_runs():

@@ -16,7 +16,7 @@ from rail_fmi.errors import RailFmiError
 _EXPECTED = (RailFmiError, ParameterError)
 
 
-class Refusal(Exception):
+class CallError(Exception):
     """What pythonfmu's C++ layer turns into a status of error; ``repr`` is what it logs."""
 
     def __repr__(self) -> str:
@@ -110,7 +110,7 @@ class GuardedSlave(Fmi2Slave):
         if not any(reason in text for text in texts):
             texts.append(reason)
         host.add_references(type(self), self, self.log_queue)
-        raise Refusal("\n".join(texts))
+        raise CallError("\n".join(texts))
 
     def _guarded(self, work: Callable[[], Any], default: Any = None) -> Any:
         try:
