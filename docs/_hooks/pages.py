@@ -128,7 +128,10 @@ def _variables(role: str) -> str:
 
 
 def _table(variables: list) -> str:
-    """Return a table with one row for all variables that differ in numbers and side only."""
+    """Return a table with one row for all variables whose names differ in numbers and side only.
+
+    A row shows what the FMU says: variables that are described in other words are other rows.
+    """
     rows: dict[tuple, list] = {}
     for variable in variables:
         name = re.sub(r"\b(left|right)\b", "left|right", _INDEX.sub("[i]", variable.name))
@@ -142,26 +145,16 @@ def _table(variables: list) -> str:
         if isinstance(variable.start, float):
             start = f"{variable.start:.10g}"
         unit = "" if variable.unit in ("", "1") else variable.unit
-        key = (name, variable.kind + tunable, unit, start, limits)
+        key = (name, variable.kind + tunable, unit, start, limits, variable.description)
         rows.setdefault(key, []).append(variable)
     lines = ["| name | type | unit | start | limits | meaning |", "|---|---|---|---|---|---|"]
-    for (name, kind, unit, start, limits), members in rows.items():
+    for (name, kind, unit, start, limits, meaning), members in rows.items():
         shown = f"`{name}`{_numbers([member.name for member in members])}"
-        words = _meaning(members)
-        cells = (shown, kind, unit, f"`{start}`" if start else "", limits, words)
+        cells = (shown, kind, unit, f"`{start}`" if start else "", limits, meaning)
         lines.append(
             "| " + " | ".join(c.replace("|", "\\|").replace("\n", " ") for c in cells) + " |"
         )
     return "\n".join(lines)
-
-
-def _meaning(members: list) -> str:
-    """Return the description of the first, without its number and side if there are others."""
-    words = members[0].description
-    if len(members) == 1:
-        return words
-    words = re.sub(r"\b([Ww]heelset|[Bb]ogie) \d+\b", r"\1 i", words)
-    return re.sub(r"\b([Ll]eft|[Rr]ight)\b", "left|right", words)
 
 
 def _numbers(names: list[str]) -> str:

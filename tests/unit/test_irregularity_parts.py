@@ -31,7 +31,7 @@ def test_default_is_smooth_track():
 
 def test_rail_joint_is_the_sum_of_two_cosine_dips():
     x = np.array([20.0, 20.025, 20.05, 20.25, 20.5, 19.4, 21.0])
-    offsets, _ = with_joint(side="both").evaluate(x)
+    offsets, _ = with_joint(side="both", position=20.0).evaluate(x)
     expected = 1e-3 * np.array([0.6, 0, 0, 0.15, 0, 0, 0])
     expected[1] = 0.15e-3 * (1 + np.cos(2 * np.pi * 0.025)) + 0.15e-3
     expected[2] = 0.15e-3 * (1 + np.cos(2 * np.pi * 0.05))
@@ -139,7 +139,7 @@ def test_names_of_the_parameters_are_the_fmus():
         (lambda: IrregularityParameters(spectrum="german"), "must be one of none, german_low"),
         (lambda: IrregularityParameters(seed=-1), "at least 0"),
         (lambda: IrregularityParameters(seed=1.5), "whole number"),
-        (lambda: IrregularityParameters(ramp_length=0), "greater than 0"),
+        (lambda: IrregularityParameters(ramp_length=-1), "at least 0"),
         (
             lambda: IrregularityParameters(spectrum="german_low", shortest_wavelength=70),
             r"longest wavelength \(80 m\)",

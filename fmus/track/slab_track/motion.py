@@ -7,24 +7,14 @@ last point it extrapolates with a local error of order H^4.
 
 import math
 
+from rail_quantities import terminals
+
 from slab_track.compiled import entry, kernel
 
 VELOCITY_COLUMNS = slice(5, 10)
 """Rates of x, y, z, roll, yaw in a motion row (see :data:`MOTION`)."""
 
-MOTION = (
-    "longitudinal_position",
-    "lateral_displacement",
-    "vertical_displacement",
-    "roll_angle",
-    "yaw_angle",
-    "longitudinal_velocity",
-    "lateral_velocity",
-    "vertical_velocity",
-    "roll_rate",
-    "yaw_rate",
-    "pitch_rate",
-)
+MOTION = tuple(member.name for member in terminals.MOTION)
 """Columns of a motion array, shape (wheelsets, 11); SI units."""
 
 

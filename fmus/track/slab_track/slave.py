@@ -13,7 +13,7 @@ from rail_fmi import (
     __version__,
     parameter_variables,
 )
-from rail_quantities import flatten, with_values
+from rail_quantities import flatten, terminals, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
@@ -85,9 +85,15 @@ class TrackSlave(RailSlave):
         parameters = self._model.parameters
         if parameters.interface == "contact" and parameters.contact.model == "vertical":
             self.info(LEVEL_CONTACT)
-        for remark in self._model.irregularity.remarks:
+        state, irregularity = self._model.state_of(self._vector), self._model.irregularity
+        if irregularity.fade_in:
+            self.info(irregularity.fade_in)
+        remarks = irregularity.remarks
+        if not self._is_driven:
+            remarks += irregularity.start_remarks(state.motion[:, 0])
+        for remark in remarks:
             self.warn(remark)
-        self._model.prepare(self._model.state_of(self._vector))
+        self._model.prepare(state)
 
     def _find_places(self, count: int) -> None:
         inputs = self.reals[self.slice_of(*names.motion_names(count))]
@@ -182,24 +188,18 @@ def _runs(target: np.ndarray, source: np.ndarray) -> tuple[list[slice], list[sli
 def _inputs() -> list[Variable]:
     """Return the input variables."""
     motion = [
-        Variable(
-            f"wheelset[{i}].{name}",
-            causality="input",
-            unit=unit,
-            description=f"Wheelset {i}: {name.replace('_', ' ')}",
-        )
+        Variable(f"wheelset[{i}].{name}", causality="input", unit=unit, description=description)
         for i in names.NUMBERS
-        for name, unit in names.MOTION_UNITS.items()
+        for name, unit, description in terminals.MOTION
     ]
     rail_head = [
         Variable(
             f"rail_head[{i}].{side}.{name}",
             causality="input",
             unit=unit,
-            description=f"{name.replace('_', ' ').capitalize()} on the {side} rail head under "
-            f"wheelset {i}; used with interface = applied_force",
+            description=f"{description}, under the wheel; used with interface = applied_force",
         )
-        for name, unit in names.RAIL_HEAD.items()
+        for name, (unit, description) in names.RAIL_HEAD.items()
         for i in names.NUMBERS
         for side in names.SIDES
     ]
@@ -229,8 +229,8 @@ def _settings() -> list[Variable]:
             causality="parameter",
             unit="m",
             start=6.0,
-            description="First point of the profiles of rails and slabs, ahead of the leading "
-            "wheelset; for pictures",
+            description="Distance of the first point of the profiles of rails and slabs ahead of "
+            "the leading wheelset; for plots",
         ),
         Variable(
             names.SPACING,
@@ -238,7 +238,7 @@ def _settings() -> list[Variable]:
             unit="m",
             start=0.25,
             minimum=0.001,
-            description="Distance from point to point of the profiles, backwards",
+            description="Distance from point to point of the profiles, rearwards",
         ),
     ]
 
@@ -250,9 +250,8 @@ def _profiles() -> list[Variable]:
             name,
             causality="local",
             unit="m",
-            description=f"{meaning.format(side=name.split('.')[1]).capitalize()}; at the first "
-            "offset less the number of the point less one times the spacing; 0 "
-            f"unless {names.PROFILES_WANTED}",
+            description=f"{meaning}, at {names.FIRST_OFFSET} less (point - 1) times "
+            f"{names.SPACING}; 0 unless {names.PROFILES_WANTED}",
         )
         for group, meaning in names.PROFILES.items()
         for name in names.profile_names(group)
@@ -263,13 +262,10 @@ def _outputs() -> list[Variable]:
     """Return the output variables."""
     contact = [
         Variable(
-            f"wheelset[{i}].contact.{name}",
-            causality="output",
-            unit=unit,
-            description=f"Contact {name.replace('_', ' ')} on wheelset {i}, at its centre of mass",
+            f"wheelset[{i}].contact.{name}", causality="output", unit=unit, description=description
         )
         for i in names.NUMBERS
-        for name, unit in names.CONTACT_UNITS.items()
+        for name, unit, description in terminals.CONTACT
     ]
     wheels = [
         Variable(
@@ -284,8 +280,8 @@ def _outputs() -> list[Variable]:
             f"wheelset[{i}].static_vertical_displacement",
             causality="output",
             unit="m",
-            description=f"Equilibrium height of wheelset {i} at the start above the datum, "
-            "downwards; constant during the run",
+            description="Displacement of the wheelset in static equilibrium at the start, "
+            "downwards from the datum; constant during the run",
         )
         for i in names.NUMBERS
     ]
@@ -294,19 +290,19 @@ def _outputs() -> list[Variable]:
             "window.start_position",
             causality="output",
             unit="m",
-            description="Rear end of the window on the line",
+            description="Position of the window's rear end along the line",
         ),
         Variable(
             "window.slide_count",
             kind="integer",
             causality="output",
-            description="Slides of the window since the start",
+            description="Window shifts since the start",
         ),
         Variable(
             "window.slide_residual",
             causality="output",
             unit="m",
-            description="Largest change of the rails' deflection by the last slide",
+            description="Largest change of the rails' deflection by the last window shift",
         ),
     ]
     return contact + wheels + heights + window

@@ -1,43 +1,50 @@
 """Names, units and meanings of the track's inputs and outputs, in the order of its arrays."""
 
+from rail_quantities import terminals
+
 from slab_track.motion import MOTION
 from slab_track.parameters import WHEELSET_LIMIT
 
 NUMBERS = range(1, WHEELSET_LIMIT + 1)
 SIDES = ("left", "right")
+CONTACT = tuple(member.name for member in terminals.CONTACT)
 INPUT_TIME = "coupling.input_time"
 
-MOTION_UNITS = dict(
-    zip(
-        MOTION,
-        ("m", "m", "m", "rad", "rad", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"),
-        strict=True,
-    )
-)
-CONTACT_UNITS = {
-    "longitudinal_force": "N",
-    "lateral_force": "N",
-    "vertical_force": "N",
-    "roll_moment": "N.m",
-    "pitch_moment": "N.m",
-    "yaw_moment": "N.m",
+RAIL_HEAD = {
+    "vertical_force": ("N", "Vertical force on the rail head, downwards"),
+    "lateral_force": ("N", "Lateral force on the rail head, to the right"),
+    "roll_moment": (
+        "N.m",
+        "Moment on the rail head about the line, positive if it turns the head to the right",
+    ),
 }
-RAIL_HEAD = {"vertical_force": "N", "lateral_force": "N", "roll_moment": "N.m"}
 WHEEL = {
-    "normal_force": ("N", "Normal force, positive in compression"),
-    "longitudinal_creep_force": ("N", "Longitudinal creep force on the wheel"),
-    "lateral_creep_force": ("N", "Lateral creep force on the wheel"),
-    "penetration": ("m", "Approach of wheel and rail; negative when separated"),
-    "contact_angle": ("rad", "Angle of the contact plane against the horizontal"),
-    "rail_vertical_displacement": ("m", "Rail under the wheel, downwards"),
-    "rail_lateral_displacement": ("m", "Rail under the wheel, to the right"),
-    "rail_roll_angle": ("rad", "Rotation of the rail under the wheel"),
-    "guiding_force": ("N", "Lateral force of the wheel on the rail, Y, to the right"),
-    "vertical_wheel_force": ("N", "Vertical force of the wheel on the rail, Q, downwards"),
+    "normal_force": ("N", "Normal force between wheel and rail, positive in compression"),
+    "longitudinal_creep_force": ("N", "Creep force on the wheel along the line, forwards"),
+    "lateral_creep_force": ("N", "Creep force on the wheel in the contact plane, to the right"),
+    "penetration": ("m", "Approach of wheel and rail, positive in contact, negative apart"),
+    "contact_angle": (
+        "rad",
+        "Angle of the contact plane against the horizontal, positive where it falls to the right",
+    ),
+    "rail_vertical_displacement": (
+        "m",
+        "Displacement of the rail's axis under the wheel, downwards from the unloaded track",
+    ),
+    "rail_lateral_displacement": (
+        "m",
+        "Displacement of the rail's head under the wheel, to the right",
+    ),
+    "rail_roll_angle": (
+        "rad",
+        "Rotation of the rail under the wheel about the line, positive with its head to the right",
+    ),
+    "guiding_force": ("N", "Lateral wheel force Y, of the wheel on the rail, to the right"),
+    "vertical_wheel_force": ("N", "Vertical wheel force Q, of the wheel on the rail, downwards"),
 }
 PROFILES = {
-    "rail_profile": "{side} rail, vertical displacement from the unloaded track, downwards",
-    "slab_profile": "slab under the {side} rail, vertical displacement, downwards",
+    "rail_profile": "Displacement of the rail, downwards from the unloaded track",
+    "slab_profile": "Displacement of the slab under the rail, downwards from the unloaded track",
 }
 PROFILE_POINTS = 121
 PROFILES_WANTED = "rail_profile.enabled"
@@ -61,7 +68,7 @@ def motion_names(count: int) -> list[str]:
 
 def contact_names(count: int) -> list[str]:
     """Names of the contact forces, row by row."""
-    return [f"wheelset[{i}].contact.{name}" for i in range(1, count + 1) for name in CONTACT_UNITS]
+    return [f"wheelset[{i}].contact.{name}" for i in range(1, count + 1) for name in CONTACT]
 
 
 def wheel_names(name: str, count: int) -> list[str]:

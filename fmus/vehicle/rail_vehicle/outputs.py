@@ -12,10 +12,10 @@ the order of the FMI terminal, 11 each.
 
 import dataclasses
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rail_quantities import terminals
 from scipy.sparse import csr_array
 
 from rail_vehicle.arrangement import Bodies, linear_elements, wheelset_positions
@@ -44,45 +44,21 @@ from rail_vehicle.linear_system import FORCE_COUNT, FREE_COUNT, STATE_COUNT, Fir
 from rail_vehicle.multibody import Array, Body, Element
 from rail_vehicle.parameters import VehicleParameters
 
+Output = terminals.Member
+"""One output: dotted name, SI unit and meaning, as in the FMU."""
 
-class Output(NamedTuple):
-    """One output.
-
-    Attributes
-    ----------
-    name, unit, description
-        As in the FMU: dotted name, SI unit, meaning.
-    """
-
-    name: str
-    unit: str
-    description: str
-
-
-MOTION = (
-    Output("longitudinal_position", "m", "Position of the centre along the line"),
-    Output("lateral_displacement", "m", "Displacement to the right"),
-    Output("vertical_displacement", "m", "Displacement downwards from the datum"),
-    Output("roll_angle", "rad", "Rotation about the line"),
-    Output("yaw_angle", "rad", "Rotation about the vertical"),
-    Output("longitudinal_velocity", "m/s", "Velocity of the centre along the line"),
-    Output("lateral_velocity", "m/s", "Velocity to the right"),
-    Output("vertical_velocity", "m/s", "Velocity downwards"),
-    Output("roll_rate", "rad/s", "Rate of the roll angle"),
-    Output("yaw_rate", "rad/s", "Rate of the yaw angle"),
-    Output("pitch_rate", "rad/s", "Total spin about the axle, -V/R in pure rolling"),
-)
+MOTION = terminals.MOTION
 """The motion of one wheelset, in the order of the terminal."""
 
 MOTION_COUNT = len(MOTION)
 
 _POSE = (
-    (X, "longitudinal_displacement", "m", "Displacement forward against the car body"),
+    (X, "longitudinal_displacement", "m", "Displacement forwards, against the car body"),
     (Y, "lateral_displacement", "m", "Displacement to the right"),
     (Z, "vertical_displacement", "m", "Displacement downwards from the datum"),
-    (ROLL, "roll_angle", "rad", "Rotation about the line"),
-    (PITCH, "pitch_angle", "rad", "Rotation about the lateral axis"),
-    (YAW, "yaw_angle", "rad", "Rotation about the vertical"),
+    (ROLL, "roll_angle", "rad", "Rotation about the line, positive with the right side down"),
+    (PITCH, "pitch_angle", "rad", "Rotation about the lateral axis, positive with the front up"),
+    (YAW, "yaw_angle", "rad", "Rotation about the vertical, positive turned to the right"),
 )
 _ACCELERATIONS = (
     (Y, "lateral_acceleration", "m/s2", "Acceleration to the right"),
@@ -160,7 +136,9 @@ def _entries(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> Iter
     for wheelset, position in zip(bodies.wheelsets, positions, strict=True):
         yield from _motion(wheelset, float(position), rows)
     for wheelset in bodies.wheelsets:
-        output = Output(f"{wheelset.name}.pitch_angle", "rad", "Angle turned about the axle")
+        output = Output(
+            f"{wheelset.name}.pitch_angle", "rad", "Angle turned about the axle, negative forwards"
+        )
         yield output, wheelset.motion[PITCH] @ rows.coordinates, 0.0
         yield from _accelerations(wheelset, rows)
     yield from _axle_boxes(parameters, bodies, rows)
@@ -169,11 +147,15 @@ def _entries(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> Iter
         yield from _accelerations(bogie, rows)
     car = bodies.car_body
     yield (
-        Output("car_body.longitudinal_position", "m", "Position of its centre along the line"),
+        Output("car_body.longitudinal_position", "m", "Position of the centre along the line"),
         (rows.column(POSITION)),
         0.0,
     )
-    yield Output("car_body.longitudinal_velocity", "m/s", "Running speed"), rows.column(SPEED), 0.0
+    yield (
+        Output("car_body.longitudinal_velocity", "m/s", "Running speed, forwards"),
+        rows.column(SPEED),
+        0.0,
+    )
     yield from _pose(car, rows, first=Y)
     yield from _accelerations(car, rows)
     yield from _floor(parameters, car, rows)
@@ -205,9 +187,9 @@ def _accelerations(body: Body, rows: _Rows) -> Iterator[_Entry]:
 
 
 def _floor(parameters: VehicleParameters, car: Body, rows: _Rows) -> Iterator[_Entry]:
-    """Accelerations of the floor over both bogies and half way, where EN 12299 measures."""
+    """Accelerations of the floor over both bogies and at mid-car, where EN 12299 measures."""
     half, height = parameters.car_body.half_bogie_spacing, parameters.car_body.floor_height
-    where = "floor over the leading bogie (1), half way (2), over the trailing bogie (3)"
+    where = "floor over the leading bogie (1), at mid-car (2), over the trailing bogie (3)"
     for index, along in enumerate((half, 0.0, -half), start=1):
         motion = car.point_displacement(np.array([along, 0.0, -height]))
         for direction, name, unit, description in _ACCELERATIONS:
@@ -220,7 +202,9 @@ def _axle_boxes(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> I
     mass = parameters.axle_box.mass
     for box in (box for pair in bodies.boxes for box in pair):
         yield from _accelerations(box, rows)
-        output = Output(f"{box.name}.pitch_angle", "rad", "Rotation about the axle")
+        output = Output(
+            f"{box.name}.pitch_angle", "rad", "Rotation about the axle, positive with the front up"
+        )
         yield output, box.motion[PITCH] @ rows.coordinates, 0.0
         load, row = _suspension_force(elements, box, rows)
         output = Output(
@@ -243,7 +227,7 @@ def _suspension_force(elements: list[Element], box: Body, rows: _Rows) -> tuple[
 
 
 def _deflections(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> Iterator[_Entry]:
-    meaning = "Compression at the axle box beyond the static one"
+    meaning = "Compression at the axle box beyond the static one, positive if shorter"
     for index, pair in enumerate(bodies.boxes):
         frame = bodies.bogies[index // 2]
         for box, side in zip(pair, SIDES, strict=True):
@@ -257,12 +241,20 @@ def _deflections(parameters: VehicleParameters, bodies: Bodies, rows: _Rows) -> 
             deflection = Element(upper=bodies.car_body, lower=frame, point=point).deflection
             name = f"secondary_suspension[{index + 1}].{side}"
             yield (
-                Output(f"{name}.vertical_deflection", "m", "Compression beyond the static one"),
+                Output(
+                    f"{name}.vertical_deflection",
+                    "m",
+                    "Compression beyond the static one, positive if shorter",
+                ),
                 deflection[Z] @ rows.coordinates,
                 0.0,
             )
             yield (
-                Output(f"{name}.lateral_deflection", "m", "Car body to the right of the frame"),
+                Output(
+                    f"{name}.lateral_deflection",
+                    "m",
+                    "Displacement of the car body against the frame, to the right",
+                ),
                 deflection[Y] @ rows.coordinates,
                 0.0,
             )
@@ -274,6 +266,6 @@ def _damper_forces(rows: _Rows) -> Iterator[_Entry]:
     names += [f"lateral_damper[{index}]" for index in (1, 2)]
     names += [f"lateral_bump_stop[{index}]" for index in (1, 2)]
     for index, name in enumerate(names):
-        direction = "backward" if name.startswith("yaw") else "to the left"
+        direction = "rearwards" if name.startswith("yaw") else "to the left"
         meaning = f"Force on the car body, positive {direction}"
         yield Output(f"{name}.force", "N", meaning), rows.column(first + index), 0.0

@@ -13,7 +13,7 @@ from rail_fmi import (
     __version__,
     parameter_variables,
 )
-from rail_quantities import ParameterSet, flatten, with_values
+from rail_quantities import ParameterSet, flatten, terminals, with_values
 
 from rail_vehicle import errors
 from rail_vehicle.coupling import INPUT_TIMES, ForceHistory, ForceMemory
@@ -22,19 +22,11 @@ from rail_vehicle.model import VehicleModel, VehicleState
 from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
 from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
 
-CONTACT = (
-    ("longitudinal_force", "N", "forward"),
-    ("lateral_force", "N", "to the right"),
-    ("vertical_force", "N", "downwards; minus the axle load at rest"),
-    ("roll_moment", "N.m", "about the line"),
-    ("pitch_moment", "N.m", "about the lateral axis"),
-    ("yaw_moment", "N.m", "about the vertical"),
-)
-"""Contact force and moment on a wheelset, reduced to its centre of mass."""
-
 _NUMBERS = range(1, 5)
 _HEIGHTS = tuple(f"wheelset[{i}].initial_vertical_displacement" for i in _NUMBERS)
-_FORCES = tuple(f"wheelset[{i}].contact.{name}" for i in _NUMBERS for name, _, _ in CONTACT)
+_FORCES = tuple(
+    f"wheelset[{i}].contact.{name}" for i in _NUMBERS for name, _, _ in terminals.CONTACT
+)
 _INPUT_TIME = "coupling.input_time"
 _FORCE_ORDER = "coupling.force_order"
 _RUN_SETTINGS = ("speed", "initial_position", "initial_lateral_displacement")
@@ -199,10 +191,10 @@ def _contact_inputs(defaults: VehicleParameters) -> list[Variable]:
             unit=unit,
             start=-2.0 * defaults.static_wheel_load if name == "vertical_force" else 0.0,
             nominal=1.0e5 if name == "vertical_force" else 1.0e4,
-            description=f"Contact {name.replace('_', ' ')} on the wheelset, {direction}",
+            description=description,
         )
         for number in _NUMBERS
-        for name, unit, direction in CONTACT
+        for name, unit, description in terminals.CONTACT
     ]
 
 
@@ -214,7 +206,8 @@ def _height_parameters() -> list[Variable]:
             unit="m",
             minimum=-LARGEST_DISPLACEMENT,
             maximum=LARGEST_DISPLACEMENT,
-            description="Height of the wheelset at the start, downwards from the datum",
+            description="Displacement of the wheelset at the start, downwards from the datum: "
+            "the track's static_vertical_displacement",
         )
         for name in _HEIGHTS
     ]

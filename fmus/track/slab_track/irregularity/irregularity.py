@@ -14,6 +14,12 @@ from slab_track.irregularity.kernels import (
     evaluate_into,
 )
 from slab_track.irregularity.parameters import IrregularityParameters
+from slab_track.irregularity.remarks import (
+    fade_in,
+    file_remarks,
+    parameter_remarks,
+    start_remarks,
+)
 from slab_track.irregularity.spectra import FloatArray
 from slab_track.irregularity.table import knots_of_columns
 
@@ -41,8 +47,10 @@ class Irregularity:
     data
         What :func:`slab_track.irregularity.evaluate_into` takes inside compiled
         loops.
+    fade_in
+        Where random part and file grow to full size, in a sentence; empty without a ramp.
     remarks
-        What a user should be told about these parameters, one sentence each.
+        What a user should be warned of with these parameters, one sentence each.
 
     Raises
     ------
@@ -63,18 +71,22 @@ class Irregularity:
         bands: list[Band] = []
         if spectrum is not None and any(parameters.factors):
             bands = design_bands(spectrum, *parameters.band, parameters.factors)
-        knots, knot_values, begin = np.zeros(0), np.zeros((0, 4, 2)), None
+        knots, knot_values = np.zeros(0), np.zeros((0, 4, 2))
+        remarks = parameter_remarks(parameters)
         if parameters.file.path:
-            columns = read_file(parameters.file.path)
             file = parameters.file
-            begin = columns["distance"][0] + file.position
+            columns = read_file(file.path)
             knots, knot_values = knots_of_columns(columns, file.position, file.fade_length)
+            rows = np.isin(knots, columns["distance"] + file.position)
+            remarks += file_remarks(parameters, knots[rows], knot_values[rows])
+        # Without a ramp nothing is cut off anywhere, so that no value jumps.
+        ramped = parameters.ramp_length > 0.0
         layout = _layout(bands)
         slots = int(layout[:, 1].sum())
         self.data = IrregularityData(
             seed=parameters.seed,
-            start=parameters.start,
-            ramp_length=parameters.ramp_length,
+            start=parameters.start if ramped else -np.inf,
+            ramp_length=parameters.ramp_length if ramped else 1.0,
             inverse_spacing=np.array([1 / band.spacing for band in bands]),
             layout=layout,
             filters=np.concatenate([band.kernels for band in bands] or [np.zeros((4, 0))], axis=1),
@@ -84,7 +96,8 @@ class Irregularity:
             knots=knots,
             knot_values=knot_values,
         )
-        self.remarks = tuple(_remarks(parameters, begin))
+        self.fade_in = fade_in(parameters)
+        self.remarks = tuple(remarks)
 
     def evaluate(self, x: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return offsets (m) and slopes d/dx (m/m) at the places ``x`` (n,), both (n, 2, 2).
@@ -108,6 +121,10 @@ class Irregularity:
         slopes = np.empty_like(offsets)
         evaluate_into(places, self.data, offsets, slopes)
         return offsets, slopes
+
+    def start_remarks(self, positions: FloatArray) -> tuple[str, ...]:
+        """Return what a user should be told of a start with wheelsets at ``positions`` (n,), m."""
+        return tuple(start_remarks(self.parameters, positions, *self.evaluate(positions)))
 
 
 def _layout(bands: list[Band]) -> np.ndarray:
@@ -140,22 +157,3 @@ def _cosines(parameters: IrregularityParameters) -> FloatArray:
         wave = (cosine.position, cosine.length, cosine.depth, cosine.repeat_distance)
         rows.append((*wave, *weights))
     return np.array(rows, dtype=float).reshape(-1, 8)
-
-
-def _remarks(parameters: IrregularityParameters, begin: float | None) -> list[str]:
-    remarks = []
-    spectrum = parameters.spectrum_function
-    if spectrum is not None:
-        shortest, longest = parameters.band
-        if shortest < spectrum.valid[0] or longest > spectrum.valid[1]:
-            remarks.append(
-                f"The spectrum {spectrum.name} is given for wavelengths of "
-                f"{spectrum.valid[0]:g} to {spectrum.valid[1]:g} m; "
-                f"{shortest:g} to {longest:g} m extrapolate it."
-            )
-    if begin is not None and begin < parameters.start:
-        remarks.append(
-            f"The irregularity file begins at {begin:g} m, before irregularity.start = "
-            f"{parameters.start:g} m: it is left out up to there."
-        )
-    return remarks

@@ -34,7 +34,7 @@ class IrregularityData(NamedTuple):
     Attributes
     ----------
     seed, start, ramp_length
-        As in the parameters.
+        As in the parameters; without a ramp minus infinity and 1.
     inverse_spacing
         Grid points per metre of each band, shape (bands,), 1/m.
     layout

@@ -31,12 +31,17 @@ def _check_repeat(group: str, repeat: float, length: float) -> None:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RailJointParameters(ParameterSet):
-    """Rail joint of Fig. 6: a long and a short cosine dip about the same place."""
+    """Rail joint of Fig. 6: a long and a short cosine dip with the same centre."""
 
     GROUP: ClassVar[str] = "irregularity.rail_joint"
 
     side: str = quantity("none", description="rail that has the joint", choices=SIDES)
-    position: float = quantity(20.0, "m", "centre of the (first) joint along the line")
+    position: float = quantity(
+        12.58,
+        "m",
+        "centre of the (first) joint along the line; at mid-span between two fasteners at whole "
+        "multiples of fastener.spacing",
+    )
     repeat_distance: float = quantity(0.0, "m", _REPEAT, at_least=0)
     long_wavelength: float = quantity(
         1.0, "m", "length of the long dip", symbol="lambda_1", above=0, source="article, 2.4"
@@ -96,9 +101,12 @@ class FileParameters(ParameterSet):
     GROUP: ClassVar[str] = "irregularity.file"
 
     path: str = quantity("", description="CSV or NetCDF file by distance; empty for none")
-    position: float = quantity(0.0, "m", "place on the line of the file's distance 0")
+    position: float = quantity(0.0, "m", "position along the line of the file's distance 0")
     fade_length: float = quantity(
-        20.0, "m", "length over which it fades to zero beyond each end of the file", above=0
+        20.0,
+        "m",
+        "length over which it fades to zero before the first and after the last row of the file",
+        above=0,
     )
 
 
@@ -112,7 +120,10 @@ class IrregularityParameters(ParameterSet):
         "none", description="spectrum of the random part", choices=("none", *SPECTRA)
     )
     seed: int = quantity(
-        1, description="number that selects the random line", at_least=0, at_most=2147483647
+        1,
+        description="number that selects the track irregularity realisation",
+        at_least=0,
+        at_most=2147483647,
     )
     shortest_wavelength: float = quantity(
         0.0, "m", "shortest wavelength of the random part; 0 for the spectrum's own", at_least=0
@@ -125,10 +136,14 @@ class IrregularityParameters(ParameterSet):
     cross_level_factor: float = quantity(1.0, "1", "factor on the random cross-level")
     gauge_factor: float = quantity(1.0, "1", "factor on the random gauge deviation")
     start: float = quantity(
-        0.0, "m", "place before which there is neither random part nor file: smooth track"
+        0.0, "m", "position before which there is neither random part nor file: smooth track"
     )
     ramp_length: float = quantity(
-        20.0, "m", "length after `start` over which random part and file fade in", above=0
+        20.0,
+        "m",
+        "length after `start` over which random part and file fade in; 0: no fade-in, both are "
+        "there on the whole line, before `start` too",
+        at_least=0,
     )
     rail_joint: RailJointParameters = RailJointParameters()
     cosine: CosineParameters = CosineParameters()
