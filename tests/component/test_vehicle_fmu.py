@@ -10,8 +10,8 @@ import pytest
 from fmi_builds import folder, run_host
 from fmpy.validation import validate_fmu
 from rail_fmi.builder import build_fmu
+from rail_quantities.terminals import CONTACT
 from rail_vehicle import PAPER, ForceHistory, VehicleModel
-from rail_vehicle.slave import CONTACT
 
 PACKAGES = ("rail_quantities", "rail_fmi", "rail_vehicle")
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import yaml
 from rail_cosim.cli import app
+from rail_cosim.description import read_description
 from typer.main import get_command
 
 ROOT = Path(__file__).parents[2]
@@ -102,6 +103,47 @@ def test_links_between_files_of_the_sources_lead_somewhere(page):
 def _from_docs(page, target):
     path = Path(os.path.normpath(page.parent / target))
     return path.relative_to(ROOT / "docs").as_posix() if path.is_relative_to(ROOT / "docs") else ""
+
+
+def pages():
+    """Return the module that makes pages."""
+    spec = importlib.util.spec_from_file_location("pages", ROOT / "docs/_hooks/pages.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.skipif(not importlib.util.find_spec("mkdocs"), reason="needs the extra docs")
+@pytest.mark.parametrize("role", ["vehicle", "track"])
+def test_each_variable_stands_in_the_table_in_its_own_words(fmus, role):
+    variables = list(read_description(getattr(fmus, role)).variables.values())
+    lines = pages()._table(variables).splitlines()[2:]
+    rows = [re.split(r"(?<!\\)\|", line.replace("\\|", "\0")) for line in lines]
+    table = {}
+    for _, name, *_, meaning, _ in rows:
+        table.setdefault(re.search("`(.+?)`", name)[1].replace("\0", "|"), set()).add(
+            meaning.strip().replace("\0", "|")
+        )
+    for variable in variables:
+        name = re.sub(r"\b(left|right)\b", "left|right", re.sub(r"\[\d+\]", "[i]", variable.name))
+        assert table[name] == {variable.description}
+    assert not any("left|right" in meaning for meanings in table.values() for meaning in meanings)
+
+
+@pytest.mark.parametrize(
+    ("role", "name", "word"),
+    [
+        ("vehicle", "wheelset[2].lateral_displacement", "to the right"),
+        ("track", "wheelset[2].lateral_displacement", "to the right"),
+        ("track", "wheelset[1].contact.vertical_force", "downwards: minus the axle load at rest"),
+        ("track", "wheelset[3].left.rail_roll_angle", "positive with its head to the right"),
+        ("track", "wheelset[3].left.contact_angle", "positive where it falls to the right"),
+        ("vehicle", "car_body.pitch_angle", "positive with the front up"),
+        ("vehicle", "yaw_damper[1].left.force", "on the car body, positive rearwards"),
+    ],
+)
+def test_a_description_gives_the_sign(fmus, role, name, word):
+    assert word in read_description(getattr(fmus, role)).variables[name].description
 
 
 def installed(*modules):

@@ -9,9 +9,10 @@ import time
 import numpy as np
 import pytest
 from rail_quantities import ParameterError, with_values
+from rail_quantities.terminals import CONTACT
 from rail_vehicle import StepError, VehicleModel, VehicleParameters
 from rail_vehicle.limits import LARGEST_DISPLACEMENT, LARGEST_ROTATION, beyond, motion_limits
-from rail_vehicle.slave import CONTACT, VehicleSlave
+from rail_vehicle.slave import VehicleSlave
 
 STEP = 1e-4
 FROM = 3
