@@ -64,7 +64,7 @@ def intervals(file: Path, length: float) -> dict[str, list[float]]:
             found["rms_acceleration"].append(float(np.sqrt(np.mean(box**2))))
             ahead = position - part["window_start_position"].to_numpy()
             found["window"].append(float(ahead.max()))
-        found["energy_share"] = [float(data.attrs["interface_energy_share"])]
+        found["energy_share"] = [float(data.attrs["interface_energy_residual_share"])]
         found["slides"] = [float(data["window_slide_count"][-1])]
         found["real_time_factor"] = [float(data.attrs["real_time_factor"])]
     return found

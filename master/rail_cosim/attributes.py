@@ -12,6 +12,7 @@ from typing import Any
 from rail_cosim import version
 from rail_cosim.algorithms import Algorithm
 from rail_cosim.description import FmuDescription
+from rail_cosim.energy import GOOD
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.simulation import Outcome
 from rail_cosim.slave import Slave, Value
@@ -98,10 +99,11 @@ def run_attributes(outcome: Outcome, algorithm: Algorithm, command: str) -> dict
         "wall_clock_seconds": outcome.wall,
         "cpu_seconds": outcome.cpu,
         "real_time_factor": outcome.real_time_factor,
-        "interface_energy_defect": outcome.energy.defect,
-        "interface_energy_absolute_defect": outcome.energy.absolute_defect,
+        "interface_energy_residual": outcome.energy.residual,
+        "interface_energy_absolute_residual": outcome.energy.absolute_residual,
         "interface_energy_exchanged": outcome.energy.exchanged,
-        "interface_energy_share": outcome.energy.share,
+        "interface_energy_residual_share": outcome.energy.share,
+        "interface_energy_residual_limit": GOOD,
         **steady_attributes(outcome.steady),
     }
 

@@ -93,7 +93,7 @@ class Outcome:
     begun
         Steps that were done before: those of a run that is continued.
     energy
-        The interface's energy defect.
+        The interface's energy residual.
     steady
         What the stop rule found, ``None`` without one.
     """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from typing import Any
 
 import xarray as xr
 from rich.console import Group
@@ -79,16 +80,22 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
         f"{about['real_time_factor']:.2f}: {simulated:.3f} s in {wall:.3f} s "
         f"(processor {about['cpu_seconds']:.3f} s)",
     )
-    facts.add_row(
-        "energy defect",
-        f"{about['interface_energy_defect']:.3g} J net, "
-        f"{about['interface_energy_share']:.2g} of the work exchanged",
-    )
+    facts.add_row("energy residual of the coupling", _energy_residual(about))
     parts: list[Table | Text] = [wheel_table(summary), facts]
     if not about["complete"]:
         steps = f"incomplete run: {about['steps']} of {about['steps_planned']} steps"
         parts.append(Text(steps, style="bold red"))
     return Group(*parts)
+
+
+def _energy_residual(about: dict[str, Any]) -> Text:
+    """Return the energy residual of the coupling, and whether it is small enough."""
+    share, limit = (about[f"interface_energy_residual_{name}"] for name in ("share", "limit"))
+    text = f"{share:.2g} of the work exchanged "
+    if share <= limit:
+        return Text(f"{text}(good: up to {limit:g})")
+    more = f"(above {limit:g}: take a smaller --macro-step)"
+    return Text(text + more, style="bold red")
 
 
 def sweep_table(dataset: xr.Dataset) -> Table:

@@ -24,8 +24,8 @@ ATTRIBUTES = {
     "wall_clock_seconds": 0.8,
     "cpu_seconds": 0.75,
     "real_time_factor": 1.5,
-    "interface_energy_defect": 1e-3,
-    "interface_energy_share": 1e-6,
+    "interface_energy_residual_share": 1e-6,
+    "interface_energy_residual_limit": 5e-3,
     "line": "HD",
     "speed_km_h": 300.0,
 }

@@ -246,10 +246,10 @@ def quality(run: xr.Dataset) -> Section:
 def _quality(run: xr.Dataset) -> Table:
     about, rows = run.attrs, []
     for name, words, unit in (
-        ("interface_energy_defect", "energy that the coupling added", "J"),
-        ("interface_energy_absolute_defect", "sum of the steps' absolute defects", "J"),
+        ("interface_energy_residual", "energy residual of the coupling, net", "J"),
+        ("interface_energy_absolute_residual", "sum of the absolute residuals of the steps", "J"),
         ("interface_energy_exchanged", "energy exchanged", "J"),
-        ("interface_energy_share", "absolute defect over energy exchanged", ""),
+        ("interface_energy_residual_share", "absolute residual over work exchanged", ""),
         ("algorithm_iterations", "iterations", ""),
         ("steady_change", "change from slab to slab at the end", ""),
     ):
