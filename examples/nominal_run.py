@@ -18,12 +18,14 @@ def main(distance: float) -> None:
         plot="nominal_run.png",
     )
     about = rail_cosim.summarise(run)
-    print(f"evaluated: {about.range.text}")
-    for wheelset in range(4):
-        mean, sleepers = about.force_mean[wheelset, 0], about.force_sleeper[wheelset, 0]
+    print(about)
+    left = about.data.sel(side="left")
+    for wheelset in left["wheelset"].to_numpy():
+        one = left.sel(wheelset=wheelset)
+        mean, passing = one["wheel_force_mean"], one["wheel_force_fastener_passing_amplitude"]
         print(
-            f"wheelset {wheelset + 1}: mean {mean / 1e3:.2f} kN, "
-            f"at {about.sleeper_frequency:.1f} Hz +- {sleepers:.0f} N"
+            f"wheelset {wheelset}: mean {float(mean) / 1e3:.2f} kN, "
+            f"at {about.fastener_passing_frequency:.1f} Hz +- {float(passing):.0f} N"
         )
 
 

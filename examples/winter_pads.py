@@ -7,7 +7,6 @@ python examples/winter_pads.py [METRES]
 
 import sys
 
-import numpy as np
 import rail_cosim
 
 SPEED = 170  # km/h
@@ -25,11 +24,12 @@ def main(distance: float) -> None:
             settings={"track.fastener.vertical_stiffness": stiffness},
         )
         about = rail_cosim.summarise(run)
-        amplitudes[season] = float(np.max(about.acceleration_sleeper))
+        amplitudes[season] = float(about["axle_box_acceleration_fastener_passing_amplitude"].max())
+        force = float(about["wheel_force_fastener_passing_amplitude"].max())
         print(
-            f"{season}: {stiffness / 1e6:.0f} MN/m, {about.sleeper_frequency:.1f} Hz, "
+            f"{season}: {stiffness / 1e6:.0f} MN/m, {about.fastener_passing_frequency:.1f} Hz, "
             f"axle box +- {amplitudes[season]:.2f} m/s2, "
-            f"wheel force +- {np.max(about.force_sleeper) / 1e3:.2f} kN"
+            f"wheel force +- {force / 1e3:.2f} kN"
         )
     print(f"winter is {amplitudes['winter'] / amplitudes['summer']:.1f} times summer")
 

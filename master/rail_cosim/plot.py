@@ -11,7 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rail_cosim.errors import ParameterError
-from rail_cosim.summary import Summary, distances, last_records, spectrum
+from rail_cosim.summary import Summary, spectrum
+from rail_cosim.window import distances, last_records
 
 # Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
@@ -36,19 +37,19 @@ def check_format(path: Path) -> None:
 def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
     """Draw a run to a file: the whole way, the last few metres, the spectrum.
 
-    Of a long run only what its figures are made of (:func:`rail_cosim.summary.last_records`).
+    Of a long run only what its figures are made of (:func:`rail_cosim.window.last_records`).
 
     Parameters
     ----------
     dataset
         The run.
     summary
-        Its figures: the evaluated range is shaded.
+        Its figures: the evaluation window is shaded.
     path
         The picture; its ending says the format (png, pdf, svg).
     """
     check_format(path)
-    dataset = last_records(dataset)
+    part, dataset = dataset.isel(time=summary.window.rows), last_records(dataset)
     figure = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplot_mosaic(
@@ -60,7 +61,7 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
         ("box", _BOX, 1.0, "axle-box acceleration (m/s²)"),
     ):
         whole, end = axes[key], axes[f"{key}_end"]
-        whole.axvspan(summary.range.start, summary.range.stop, color="0.94", lw=0, zorder=0)
+        whole.axvspan(summary.window.start, summary.window.stop, color="0.94", lw=0, zorder=0)
         for ax in (whole, end):
             _over_distance(ax, dataset, name, factor)
         end.set_xlim(*_end(dataset, summary))
@@ -68,19 +69,19 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
         end.tick_params(labelleft=False)
         whole.set_ylabel(label)
     axes["force"].set_title(_title(dataset), loc="left", fontsize="medium")
-    last = f"last {summary.range.of} length" if summary.range.periods else "end"
+    last = f"last {summary.window.of} length" if summary.window.periods else "end"
     axes["force_end"].set_title(last, loc="left", fontsize="medium")
     for key in ("box", "box_end"):
         axes[key].set_xlabel("distance of the leading wheelset (m)" if key == "box" else "(m)")
-    _spectrum(axes["spectrum"], dataset, summary)
+    _spectrum(axes["spectrum"], part, summary)
     _legend(figure, axes["force"])
     figure.savefig(path, dpi=_DPI)
 
 
 def _end(dataset: xr.Dataset, summary: Summary) -> tuple[float, float]:
-    """Return the last whole period of the evaluated range, or its last tenth."""
-    start, stop = summary.range.start, summary.range.stop
-    return stop - (stop - start) / (summary.range.periods or 10), stop
+    """Return the last whole period of the evaluation window, or its last tenth."""
+    start, stop = summary.window.start, summary.window.stop
+    return stop - (stop - start) / (summary.window.periods or 10), stop
 
 
 def _title(dataset: xr.Dataset) -> str:
@@ -120,20 +121,21 @@ def _legend(figure: Figure, axes: Axes) -> None:
             line.set_linewidth(2.0)
 
 
-def _spectrum(axes: Axes, dataset: xr.Dataset, summary: Summary) -> None:
+def _spectrum(axes: Axes, part: xr.Dataset, summary: Summary) -> None:
     axes.set_xlabel("frequency (Hz)")
     axes.set_ylabel("amplitude (m/s²)")
-    axes.set_title("axle-box acceleration, shaded range", loc="left", fontsize="medium")
-    if _BOX in dataset:
-        part = dataset.isel(time=summary.range.rows)
+    axes.set_title(
+        "axle-box acceleration, evaluation window (shaded)", loc="left", fontsize="medium"
+    )
+    if _BOX in part:
         frequencies, lines = spectrum(part["time"].to_numpy(), part[_BOX].isel(side=0).to_numpy())
         for i in range(lines.shape[1]):
             axes.plot(frequencies, lines[:, i], color=_COLOURS[i % len(_COLOURS)], lw=0.9)
         axes.set_xlim(0.0, min(_HIGHEST, float(frequencies[-1])))
     axes.set_ylim(bottom=0.0)
     marks = (
-        (summary.sleeper_frequency, "sleeper passing"),
-        (summary.slab_frequency, "slab passing"),
+        (summary.fastener_passing_frequency, "fastener passing"),
+        (summary.slab_passing_frequency, "slab passing"),
     )
     for frequency, word in marks:
         if not math.isnan(frequency):

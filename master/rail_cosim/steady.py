@@ -22,14 +22,18 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from rail_cosim.errors import ParameterError
 from rail_cosim.recorder import Recorder
 from rail_cosim.results import place
 from rail_cosim.slave import Slave
 from rail_cosim.system import SystemStructure
+from rail_cosim.window import EvaluationWindow, distances, periods
 
+Array = NDArray[np.float64]
 OPTION = "--until-steady"
 QUANTITIES = ("normal_force", "axle_box_vertical_acceleration")
 SPACING, COUNT = "fastener.spacing", "fastener.count_per_slab"
@@ -206,3 +210,44 @@ def relative_change(values: NDArray[np.float64]) -> float:
     if change <= 1e-12 * float(np.abs(now).max()):
         return 0.0
     return change / size if size > 0.0 else math.inf
+
+
+def slab_to_slab_change(run: xr.Dataset, window: EvaluationWindow) -> float:
+    """Return the largest relative change from slab to slab over a window of a recorded run.
+
+    The measure is that of :class:`SteadyState`, for each slab length in the window against the one
+    before it. Where a slab length is no whole number of records, the earlier one is interpolated
+    by cubic splines over the distance; that and the discretisation leave some 0.1 % on steady
+    motion at 300 km/h and 0.1 ms.
+
+    Returns
+    -------
+    float
+        Relative to the fluctuation; NaN where it cannot be told: the slab length is not known,
+        the run is shorter than two of them, or none of :data:`QUANTITIES` is recorded.
+    """
+    distance, pitch = distances(run), periods(run)[1]
+    names = [name for name in QUANTITIES if name in run]
+    changes: list[float] = []
+    for number in range(window.periods if window.of == "slab" else 0):
+        stop = window.stop - number * pitch
+        # A record more at either end, for the spline and against rounding.
+        first, last = np.searchsorted(distance, (stop - 2.0 * pitch, stop + 1e-9))
+        rows = slice(max(0, int(first) - 1), int(last))
+        way = distance[rows]
+        now = way > stop - pitch * (1.0 - 1e-9)
+        if not now.any() or way[now][0] - pitch < way[0] - 1e-6 or (np.diff(way) <= 0.0).any():
+            continue
+        for name in names:
+            values = run[name].isel(time=rows).transpose("time", ...).to_numpy()
+            changes.append(_change(way, values.reshape(len(way), -1), now, pitch))
+    return max(changes, default=math.nan)
+
+
+def _change(way: Array, values: Array, now: NDArray[np.bool_], pitch: float) -> float:
+    """Return the relative change of signals (n, signals) at ``now`` from a pitch before."""
+    values = values[:, ~np.isnan(values).all(axis=0)]  # without wheels that do not exist
+    if not np.isfinite(values).all():
+        return math.inf
+    before = CubicSpline(way, values)(way[now] - pitch)
+    return relative_change(np.concatenate([before, values[now]]))

@@ -1,90 +1,107 @@
-"""Figures that describe a run: forces, accelerations, passing frequencies, speed of computing."""
+"""Figures that describe a run: extremes of all of it, statistics of its evaluation window."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rail_cosim.events import events_outside
+from rail_cosim.extremes import BOX, FORCE, extremes, labelled, wheels
+from rail_cosim.steady import slab_to_slab_change
+from rail_cosim.window import EvaluationWindow, distances, evaluation_window, periods
+
 Array = NDArray[np.float64]
-SETTLED_SHARE = 0.5
-LONGEST = 200_000
-"""Records of a long run that are looked at."""
+STEADY_CHANGE = 0.01
+"""Change from slab to slab up to which a run that was not asked to become steady is called so."""
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Range:
-    """The part of a run that is evaluated.
-
-    Attributes
-    ----------
-    start, stop
-        Distance of the leading wheelset in m.
-    rows
-        The records in it.
-    periods, of
-        It is ``periods`` whole lengths of ``of``: ``"slab"`` or ``"bay"``;
-        0 and ``""`` if it is shorter than a bay or the bay is not known.
-    """
-
-    start: float
-    stop: float
-    rows: slice
-    periods: int
-    of: str
-
-    @property
-    def text(self) -> str:
-        """The range in words."""
-        plural = "s" if self.periods > 1 else ""
-        whole = f", {self.periods} whole {self.of} length{plural}" if self.periods else ""
-        return f"{self.start:.2f} to {self.stop:.2f} m{whole}"
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
+@dataclasses.dataclass(frozen=True, kw_only=True, repr=False)
 class Summary:
-    """Figures of one run. Arrays have shape (wheelset, side); absent quantities are NaN.
+    """Figures of one run; printed, it is the tables of ``rail-cosim run``.
 
     Attributes
     ----------
-    range
-        What part of the run was evaluated.
-    force_mean, force_min, force_max
-        Wheel force in N.
-    acceleration_max
-        Largest magnitude of the axle-box acceleration in m/s2.
-    sleeper_frequency, slab_frequency
-        Passing frequencies in Hz.
-    force_sleeper, force_slab, acceleration_sleeper, acceleration_slab
-        Amplitudes (half of peak to peak) at these frequencies in N and m/s2;
-        slab ones are NaN where the range is no whole number of slabs.
+    data
+        All figures with ``units``, ``long_name`` and ``evaluated_over`` (whole run or evaluation
+        window), by ``wheelset`` and ``side``; what is not recorded is not there. Of the whole run:
+        ``wheel_force_max``, ``wheel_force_min``, ``axle_box_acceleration_peak``, each with
+        ``_distance``; ``loss_of_contact_count``, ``_longest``, ``_total``. Of the window:
+        ``wheel_force_mean``, ``wheel_force_window_min``, ``wheel_force_window_max``,
+        ``axle_box_acceleration_window_peak``, and of both quantities the
+        ``_fastener_passing_amplitude`` and ``_slab_passing_amplitude``; these are amplitudes of
+        the first harmonic, NaN where the window is no whole number of these lengths.
+    window
+        The evaluation window.
+    whole
+        The whole run.
+    change
+        Largest relative change from slab to slab over the window
+        (:func:`rail_cosim.steady.slab_to_slab_change`); NaN if it cannot be told.
+    steady
+        Whether the motion is steady over the window: the change is at most what the run was
+        asked for (``until_steady``), else :data:`STEADY_CHANGE`.
+    state
+        The same in words.
+    events
+        Extremes clearly outside what the window has seen, and losses of contact outside it, in
+        words.
+    fastener_passing_frequency, slab_passing_frequency
+        Mean speed over these lengths in Hz; NaN if not known.
     dominant_frequency
-        Where the spectrum of the axle-box accelerations is largest, in Hz.
+        Where the spectrum of the axle-box accelerations in the window is largest, in Hz.
     """
 
-    range: Range
-    force_mean: Array
-    force_min: Array
-    force_max: Array
-    acceleration_max: Array
-    sleeper_frequency: float
-    slab_frequency: float
-    force_sleeper: Array
-    force_slab: Array
-    acceleration_sleeper: Array
-    acceleration_slab: Array
+    data: xr.Dataset
+    window: EvaluationWindow
+    whole: EvaluationWindow
+    change: float
+    steady: bool
+    state: str
+    events: Sequence[str]
+    fastener_passing_frequency: float
+    slab_passing_frequency: float
     dominant_frequency: float
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        return self.data[name]
+
+    def to_dataset(self) -> xr.Dataset:
+        """Return :attr:`data` with all else as attributes, as NetCDF can hold it."""
+        return self.data.assign_attrs(
+            whole_run=self.whole.text,
+            evaluation_window=self.window.text,
+            slab_to_slab_change=self.change,
+            steady=int(self.steady),
+            state=self.state,
+            events="; ".join(self.events),
+            fastener_passing_frequency=self.fastener_passing_frequency,
+            slab_passing_frequency=self.slab_passing_frequency,
+            dominant_frequency=self.dominant_frequency,
+        )
+
+    def __str__(self) -> str:
+        from rail_cosim.tables import as_text, figures
+
+        return as_text(figures(self))
+
+    __repr__ = __str__
 
 
 def summarise(dataset: xr.Dataset) -> Summary:
     """Return the figures of a run, from its Dataset alone.
 
-    The first half of the way is left to the initial transients; of the rest
-    the last whole number of slab lengths is evaluated, or of bays where it is
-    shorter than a slab. Of a long run only the last records count (:func:`last_records`).
+    Extremes and losses of contact are those of all records. Statistics are those of
+    :func:`rail_cosim.window.evaluation_window`.
+
+    Parameters
+    ----------
+    dataset
+        The run, as :func:`rail_cosim.run` returns it.
 
     Raises
     ------
@@ -93,83 +110,86 @@ def summarise(dataset: xr.Dataset) -> Summary:
     """
     if dataset.sizes.get("time", 0) < 2:
         raise ValueError("the run has fewer than two records; there is nothing to summarise")
-    dataset = last_records(dataset)
-    time = dataset["time"].to_numpy()
-    distance = distances(dataset)
+    window = evaluation_window(dataset)
+    ends = dataset.isel(time=[0, -1])
+    start, stop = distances(ends)
+    speed = float(stop - start) / float(ends["time"][1] - ends["time"][0])
+    whole = EvaluationWindow(
+        start=float(start), stop=float(stop), rows=slice(0, dataset.sizes["time"])
+    )
     bay, slab = periods(dataset)
-    chosen = choose_range(distance, bay, slab)
-    rows = chosen.rows
-    force = _wheels(dataset, "normal_force")[rows]
-    acceleration = _wheels(dataset, "axle_box_vertical_acceleration")[rows]
-    lengths = [bay] + ([slab] if chosen.of == "slab" else [])
-    lengths = lengths if chosen.periods else []
-    force_amplitudes = amplitudes(distance[rows], force, lengths)
-    acceleration_amplitudes = amplitudes(distance[rows], acceleration, lengths)
-    speed = float((distance[-1] - distance[0]) / (time[-1] - time[0]))
+    part = dataset.isel(time=window.rows)
+    of_run, of_window = extremes(dataset), _window_figures(part, window, bay, slab)
+    for found, text in (
+        (of_run, f"whole run, {whole.text}"),
+        (of_window, f"evaluation window, {window.text}"),
+    ):
+        for array in found.data_vars.values():
+            array.attrs["evaluated_over"] = text
+    change = slab_to_slab_change(dataset, window)
+    steady, state = _state(dataset, change)
     return Summary(
-        range=chosen,
-        force_mean=force.mean(axis=0),
-        force_min=force.min(axis=0),
-        force_max=force.max(axis=0),
-        acceleration_max=np.abs(acceleration).max(axis=0),
-        sleeper_frequency=speed / bay,
-        slab_frequency=speed / slab,
-        force_sleeper=force_amplitudes[0],
-        force_slab=force_amplitudes[1],
-        acceleration_sleeper=acceleration_amplitudes[0],
-        acceleration_slab=acceleration_amplitudes[1],
-        dominant_frequency=dominant_frequency(time[rows], acceleration),
+        data=of_run.assign(of_window),
+        window=window,
+        whole=whole,
+        change=change,
+        steady=steady,
+        state=state,
+        events=events_outside(dataset, of_run, window),
+        fastener_passing_frequency=speed / bay,
+        slab_passing_frequency=speed / slab,
+        dominant_frequency=dominant_frequency(part["time"].to_numpy(), wheels(part, BOX)),
     )
 
 
-def last_records(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the last :data:`LONGEST` records of a run, all of a shorter one."""
-    if dataset.sizes.get("time", 0) <= LONGEST:
-        return dataset
-    return dataset.isel(time=slice(-LONGEST, None))
-
-
-def distances(dataset: xr.Dataset) -> Array:
-    """Return the way of the leading wheelset in m, shape (n,).
-
-    For a vehicle without the output of its position it is speed times time.
-    """
-    if "distance" in dataset:
-        return dataset["distance"].to_numpy()
-    return dataset["time"].to_numpy() * float(dataset.attrs["speed_km_h"]) / 3.6
-
-
-def _wheels(dataset: xr.Dataset, name: str) -> Array:
-    if name not in dataset:
-        return np.full((dataset.sizes["time"], 1, 1), np.nan)
-    return dataset[name].transpose("time", "wheelset", "side").to_numpy()
-
-
-def periods(dataset: xr.Dataset) -> tuple[float, float]:
-    """Return bay length and slab pitch in m from the track's parameters; NaN if not known."""
-    about = dataset.attrs
-    bay = float(about.get("track.fastener.spacing", math.nan))
-    return bay, bay * float(about.get("track.fastener.count_per_slab", math.nan))
-
-
-def choose_range(distance: Array, bay: float, slab: float) -> Range:
-    """Return the evaluated part of a run over these distances (m, shape (n,))."""
-    end = float(distance[-1])
-    settled = (1.0 - SETTLED_SHARE) * (end - float(distance[0]))
-    for of, length in (("slab", slab), ("bay", bay)):
-        # Comparisons with NaN are false: lengths that are not known are passed over.
-        if length > 0.0 and settled >= length:
-            count = int(settled / length * (1.0 + 1e-9))
-            start = end - count * length
-            # Half-open, so that the end points of a period are not counted twice.
-            first = int(np.searchsorted(distance, start + 1e-9 * length, side="right"))
-            return Range(
-                start=start, stop=end, rows=slice(first, len(distance)), periods=count, of=of
+def _window_figures(
+    part: xr.Dataset, window: EvaluationWindow, bay: float, slab: float
+) -> xr.Dataset:
+    found = xr.Dataset()
+    if FORCE in part:
+        force = wheels(part, FORCE)
+        for name, function, word in (
+            ("mean", np.mean, "mean"),
+            ("window_min", np.min, "smallest"),
+            ("window_max", np.max, "largest"),
+        ):
+            found[f"wheel_force_{name}"] = labelled(
+                function(force, axis=0), "N", f"{word} wheel force"
             )
-    first = min(int(np.searchsorted(distance, end - settled)), len(distance) - 2)
-    return Range(
-        start=float(distance[first]), stop=end, rows=slice(first, len(distance)), periods=0, of=""
-    )
+    if BOX in part:
+        peak = np.abs(wheels(part, BOX)).max(axis=0)
+        name = "axle_box_acceleration_window_peak"
+        found[name] = labelled(peak, "m/s2", "peak axle-box acceleration")
+    lengths = {"slab": [bay, slab], "bay": [bay]}.get(window.of, [])
+    for name, variable, unit in (
+        ("wheel_force", FORCE, "N"),
+        ("axle_box_acceleration", BOX, "m/s2"),
+    ):
+        if variable in part:
+            both = amplitudes(distances(part), wheels(part, variable), lengths)
+            for what, values in zip(("fastener", "slab"), both, strict=True):
+                words = f"{what}-passing amplitude (first harmonic) of the {name.replace('_', ' ')}"
+                found[f"{name}_{what}_passing_amplitude"] = labelled(values, unit, words)
+    return found
+
+
+def _state(dataset: xr.Dataset, change: float) -> tuple[bool, str]:
+    """Return whether a run is steady over its window, and this in words."""
+    about = dataset.attrs
+    if "final_speed_km_h" in about:
+        return False, "not steady (the speed changes)"
+    if math.isnan(change):
+        slab = periods(dataset)[1]
+        why = "the run is shorter than two slab lengths"
+        if not slab > 0.0:
+            why = "the slab length is not known"
+        elif FORCE not in dataset and BOX not in dataset:
+            why = "wheel forces and axle-box accelerations are not recorded"
+        return False, f"not tested for a steady state ({why})"
+    steady = change <= float(about.get("steady_tolerance", STEADY_CHANGE))
+    percent = 100.0 * change
+    text = f"change {percent:.{2 if percent < 100.0 else 4}g} % from slab to slab"
+    return steady, f"{'steady' if steady else 'not steady'} ({text})"
 
 
 def amplitudes(distance: Array, values: Array, lengths: list[float]) -> tuple[Array, Array]:

@@ -2,64 +2,146 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections import Counter
 from typing import Any
 
+import numpy as np
 import xarray as xr
-from rich.console import Group
+from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from rail_cosim.bench import Benchmark
-from rail_cosim.results import SIDES
+from rail_cosim.events import wheel_name
 from rail_cosim.summary import Summary
+from rail_cosim.sweeps.quantities import WINDOW
 
 _SHOWN = 10
+_WIDTH = 100
+_NOT_RECORDED = "not recorded"
+
+
+def as_text(shown: RenderableType) -> str:
+    """Return what is shown on a terminal as text."""
+    console = Console(file=io.StringIO(), width=_WIDTH)
+    console.print(shown)
+    return console.file.getvalue().rstrip("\n")  # type: ignore[attr-defined]
 
 
 def _number(value: float, factor: float = 1.0, digits: int = 2) -> str:
     return "-" if math.isnan(value) else f"{value * factor:.{digits}f}"
 
 
-def wheel_table(summary: Summary) -> Table:
-    """Return the table of wheels: one row per wheelset and side."""
-    title = f"Evaluated: {summary.range.text}"
+def _by_wheel(
+    summary: Summary, title: str, columns: list[tuple[str, str, float, int]]
+) -> RenderableType:
+    """Return a table with a row per wheel; columns are figure, head, factor and digits."""
     table = Table(title=title, title_justify="left", title_style="")
     table.add_column("wheel", no_wrap=True)
-    heads = (
-        "mean\nkN",
-        "min\nkN",
-        "max\nkN",
-        f"at sleepers\n{_number(summary.sleeper_frequency, digits=1)} Hz, kN",
-        f"at slabs\n{_number(summary.slab_frequency, digits=1)} Hz, kN",
-        "box max\nm/s²",
-    )
-    for head in heads:
+    for _, head, _, _ in columns:
         table.add_column(head, justify="right", no_wrap=True)
-    columns = (
-        (summary.force_mean, 1e-3, 3),
-        (summary.force_min, 1e-3, 3),
-        (summary.force_max, 1e-3, 3),
-        (summary.force_sleeper, 1e-3, 3),
-        (summary.force_slab, 1e-3, 3),
-        (summary.acceleration_max, 1.0, 3),
+    there = [summary.data[name] for name, *_ in columns if name in summary.data]
+    shape = max((array.shape for array in there), key=np.prod, default=(0, 0))
+    for wheel in np.ndindex(*shape):
+        cells = [
+            _number(float(summary.data[name].to_numpy()[wheel]), factor, digits)
+            if name in summary.data and summary.data[name].shape == shape
+            else "-"
+            for name, _, factor, digits in columns
+        ]
+        table.add_row(wheel_name(*wheel), *cells)
+    return table if there else Text(f"{title}: wheel forces and accelerations {_NOT_RECORDED}")
+
+
+def extremes_table(summary: Summary) -> RenderableType:
+    """Return the table of the extremes of the whole run."""
+    box = "peak axle-box\nacceleration\nm/s²"
+    return _by_wheel(
+        summary,
+        f"Whole run, distance travelled {summary.whole.text}",
+        [
+            ("wheel_force_max", "wheel force\nmax, kN", 1e-3, 3),
+            ("wheel_force_max_distance", "at\nm", 1.0, 2),
+            ("wheel_force_min", "wheel force\nmin, kN", 1e-3, 3),
+            ("wheel_force_min_distance", "at\nm", 1.0, 2),
+            ("axle_box_acceleration_peak", box, 1.0, 3),
+            ("axle_box_acceleration_peak_distance", "at\nm", 1.0, 2),
+        ],
     )
-    shape = max((values.shape for values, _, _ in columns), key=lambda shape: shape[0] * shape[1])
-    for wheelset in range(shape[0]):
-        for side in range(shape[1]):
-            cells = [
-                _number(float(values[wheelset, side]), factor, digits)
-                if values.shape == shape
-                else "-"
-                for values, factor, digits in columns
-            ]
-            table.add_row(f"{wheelset + 1} {SIDES[side]}", *cells)
+
+
+def contact_text(summary: Summary) -> list[str]:
+    """Return the losses of contact of each wheel in words, one line each."""
+    if "loss_of_contact_count" not in summary.data:
+        return [_NOT_RECORDED]
+    lines: list[str] = []
+    for wheel, count in np.ndenumerate(summary["loss_of_contact_count"].to_numpy()):
+        if count:
+            longest, total = (
+                1e3 * float(summary[f"loss_of_contact_{name}"].to_numpy()[wheel])
+                for name in ("longest", "total")
+            )
+            times = "once" if count == 1 else f"{count} times"
+            durations = f"longest {longest:.4g} ms, total {total:.4g} ms"
+            lines.append(f"wheel {wheel_name(*wheel)}: {times}, {durations}")
+    return lines or ["none"]
+
+
+def window_table(summary: Summary) -> RenderableType:
+    """Return the table of the statistics of the evaluation window."""
+    fastener = _number(summary.fastener_passing_frequency, digits=1)
+    slab = _number(summary.slab_passing_frequency, digits=1)
+    return _by_wheel(
+        summary,
+        f"Evaluation window {summary.window.text}:\n{summary.state}",
+        [
+            ("wheel_force_mean", "mean\nkN", 1e-3, 3),
+            ("wheel_force_window_min", "min\nkN", 1e-3, 3),
+            ("wheel_force_window_max", "max\nkN", 1e-3, 3),
+            (
+                "wheel_force_fastener_passing_amplitude",
+                f"fastener-\npassing\namplitude¹\n{fastener} Hz, kN",
+                1e-3,
+                3,
+            ),
+            (
+                "wheel_force_slab_passing_amplitude",
+                f"slab-\npassing\namplitude¹\n{slab} Hz, kN",
+                1e-3,
+                3,
+            ),
+            ("axle_box_acceleration_window_peak", "peak\naxle-box\nacceler.\nm/s²", 1.0, 3),
+        ],
+    )
+
+
+def figures(summary: Summary) -> Group:
+    """Return all figures of a run: extremes, losses of contact, evaluation window, events."""
+    facts = _facts()
+    for number, line in enumerate(contact_text(summary)):
+        facts.add_row("" if number else "loss of contact", line)
+    rest = _facts()
+    dominant = _number(summary.dominant_frequency, digits=1)
+    rest.add_row("dominant frequency", f"{dominant} Hz in the axle-box accelerations")
+    note = Text("¹ of the first harmonic")
+    parts = [extremes_table(summary), facts, window_table(summary), note, rest]
+    if summary.events:
+        lines = ["Outside the evaluation window:", *summary.events]
+        parts.append(Text("\n  ".join(lines), style="bold"))
+    return Group(*parts)
+
+
+def _facts() -> Table:
+    table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
+    table.add_column(no_wrap=True)
+    table.add_column()
     return table
 
 
 def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
-    """Return the whole summary: wheels, then the run's own figures.
+    """Return the whole summary: the figures, then the run's own.
 
     Parameters
     ----------
@@ -69,11 +151,7 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
         The run, for what its attributes say of the computing.
     """
     about = dataset.attrs
-    facts = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
-    facts.add_column()
-    facts.add_column()
-    dominant = _number(summary.dominant_frequency, digits=1)
-    facts.add_row("dominant frequency", f"{dominant} Hz in the axle-box accelerations")
+    facts = _facts()
     simulated, wall = about["simulated_seconds"], about["wall_clock_seconds"]
     facts.add_row(
         "real-time factor",
@@ -81,7 +159,7 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
         f"(processor {about['cpu_seconds']:.3f} s)",
     )
     facts.add_row("energy residual of the coupling", _energy_residual(about))
-    parts: list[Table | Text] = [wheel_table(summary), facts]
+    parts: list[RenderableType] = [figures(summary), facts]
     if not about["complete"]:
         steps = f"incomplete run: {about['steps']} of {about['steps_planned']} steps"
         parts.append(Text(steps, style="bold red"))
@@ -112,6 +190,11 @@ def sweep_table(dataset: xr.Dataset) -> Table:
     facts.add_row("points", str(error.size))
     if "steady" in dataset:
         facts.add_row("steady", str(int((dataset["steady"] == 1).sum())))
+    windows = dict.fromkeys(
+        str(array.attrs[WINDOW]) for array in dataset.values() if WINDOW in array.attrs
+    )
+    if windows:
+        facts.add_row("evaluated over", ", ".join(windows))
     facts.add_row("failed", str(len(failed)))
     reasons = Counter(failed)
     for text, count in reasons.most_common(_SHOWN):

@@ -75,7 +75,7 @@ def test_a_point_is_the_run_of_its_parameters(fmus, two_by_two, tmp_path):
     run = loaded(tmp_path / "run.nc")
     at = two_by_two[0].sel({"speed": 200, STIFFNESS: 140e6})
     assert run.attrs["steady"] == 1
-    assert float(at["way"]) == float(run["distance"][-1])
+    assert float(at["distance_travelled"]) == float(run["distance"][-1])
     period = round(5.032 / (200 / 3.6) / run.attrs["macro_step"])
     last = run["normal_force"].isel(time=slice(-period, None))
     np.testing.assert_array_equal(at["normal_force_max"], last.max("time"))

@@ -264,7 +264,7 @@ def test_the_python_interface_mirrors_the_command(fmus, python, ran):
             settings={"track.fails_after": 0.0},
         )
         force = data["normal_force"]
-        print(force.dims, float(force[-1, 0, 0]), rail_cosim.summarise(data).range.periods)
+        print(force.dims, float(force[-1, 0, 0]), rail_cosim.summarise(data).window.periods)
         try:
             rail_cosim.run(vehicle=sys.argv[1], track=sys.argv[2], distance=20.0,
                            settings={"track.fails_after": 0.1})

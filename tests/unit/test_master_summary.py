@@ -2,14 +2,16 @@
 
 import io
 import math
+import re
 
 import numpy as np
 import pytest
 import xarray as xr
 from rail_cosim.errors import ParameterError
 from rail_cosim.plot import check_format, plot_run
-from rail_cosim.summary import amplitudes, choose_range, dominant_frequency, spectrum, summarise
+from rail_cosim.summary import amplitudes, dominant_frequency, spectrum, summarise
 from rail_cosim.tables import summary_table
+from rail_cosim.window import choose_window
 from rich.console import Console
 
 BAY, COUNT, SPEED, STEP = 0.629, 8, 300.0 / 3.6, 1e-4
@@ -54,34 +56,47 @@ def made_run(distance=100.0, **attributes):
     )
 
 
+def figure(summary, name):
+    return summary[name].to_numpy()
+
+
 WHEEL = np.arange(8).reshape(4, 2) + 1.0
 
 
 def test_amplitudes_at_the_passing_frequencies():
     found = summarise(made_run())
-    assert found.range.periods == 9
-    assert found.range.of == "slab"
-    assert found.range.start == pytest.approx(100.0 - 9 * SLAB, abs=0.01)
-    assert found.sleeper_frequency == pytest.approx(SPEED / BAY, rel=1e-9)
-    assert found.slab_frequency == pytest.approx(SPEED / SLAB, rel=1e-9)
-    assert found.force_sleeper == pytest.approx(400.0 * WHEEL, rel=1e-6)
-    assert found.force_slab == pytest.approx(50.0 * WHEEL, rel=1e-6)
-    assert found.acceleration_sleeper == pytest.approx(3.0 * WHEEL, rel=1e-6)
-    assert found.acceleration_slab == pytest.approx(np.full((4, 2), 0.5), rel=1e-6)
+    assert found.window.periods == 9
+    assert found.window.of == "slab"
+    assert found.window.start == pytest.approx(100.0 - 9 * SLAB, abs=0.01)
+    assert found.fastener_passing_frequency == pytest.approx(SPEED / BAY, rel=1e-9)
+    assert found.slab_passing_frequency == pytest.approx(SPEED / SLAB, rel=1e-9)
+    assert figure(found, "wheel_force_fastener_passing_amplitude") == pytest.approx(
+        400.0 * WHEEL, rel=1e-6
+    )
+    assert figure(found, "wheel_force_slab_passing_amplitude") == pytest.approx(
+        50.0 * WHEEL, rel=1e-6
+    )
+    assert figure(found, "axle_box_acceleration_fastener_passing_amplitude") == pytest.approx(
+        3.0 * WHEEL, rel=1e-6
+    )
+    assert figure(found, "axle_box_acceleration_slab_passing_amplitude") == pytest.approx(
+        np.full((4, 2), 0.5), rel=1e-6
+    )
 
 
-def test_mean_and_extremes_of_the_evaluated_part():
+def test_mean_and_extremes_of_the_evaluation_window():
     data = made_run()
     found = summarise(data)
     # One sample too many or too few moves the mean by amplitude / samples.
-    assert found.force_mean == pytest.approx(np.full((4, 2), 70e3), abs=2.0)
-    assert (found.force_max <= 70e3 + 450.0 * WHEEL + 1e-6).all()
-    assert (found.force_max >= 70e3 + 0.9 * 400.0 * WHEEL).all()
-    rows = found.range.rows
+    assert figure(found, "wheel_force_mean") == pytest.approx(np.full((4, 2), 70e3), abs=2.0)
+    assert (figure(found, "wheel_force_window_max") <= 70e3 + 450.0 * WHEEL + 1e-6).all()
+    assert (figure(found, "wheel_force_window_max") >= 70e3 + 0.9 * 400.0 * WHEEL).all()
+    rows = found.window.rows
     force = data["normal_force"].to_numpy()[rows]
-    assert np.array_equal(found.force_min, force.min(axis=0))
+    assert np.array_equal(figure(found, "wheel_force_window_min"), force.min(axis=0))
     acceleration = data["axle_box_vertical_acceleration"].to_numpy()[rows]
-    assert np.array_equal(found.acceleration_max, np.abs(acceleration).max(axis=0))
+    peak = figure(found, "axle_box_acceleration_window_peak")
+    assert np.array_equal(peak, np.abs(acceleration).max(axis=0))
 
 
 def test_dominant_frequency_is_the_sleeper_passing_one():
@@ -111,9 +126,9 @@ def test_amplitude_of_a_line_of_the_spectrum():
 @pytest.mark.parametrize(
     ("length", "periods", "of"), [(100.0, 9, "slab"), (10.2, 1, "slab"), (6.0, 4, "bay")]
 )
-def test_range_is_a_whole_number_of_slabs_or_bays_of_the_second_half(length, periods, of):
+def test_window_is_a_whole_number_of_slabs_or_bays_of_the_second_half(length, periods, of):
     x = np.arange(round(length / 0.01) + 1) * 0.01
-    chosen = choose_range(x, BAY, SLAB)
+    chosen = choose_window(x, BAY, SLAB)
     assert (chosen.periods, chosen.of) == (periods, of)
     period = SLAB if of == "slab" else BAY
     assert chosen.stop - chosen.start == pytest.approx(periods * period)
@@ -122,8 +137,8 @@ def test_range_is_a_whole_number_of_slabs_or_bays_of_the_second_half(length, per
 
 
 @pytest.mark.parametrize(("bay", "slab"), [(math.nan, math.nan), (BAY, SLAB)])
-def test_range_without_a_period_is_the_second_half(bay, slab):
-    chosen = choose_range(np.linspace(0.0, 1.0, 101), bay, slab)
+def test_window_without_a_period_is_the_second_half(bay, slab):
+    chosen = choose_window(np.linspace(0.0, 1.0, 101), bay, slab)
     assert chosen.periods == 0
     assert chosen.start == pytest.approx(0.5)
     assert "whole" not in chosen.text
@@ -132,23 +147,24 @@ def test_range_without_a_period_is_the_second_half(bay, slab):
 def test_slab_pitch_is_that_of_the_fasteners_where_a_length_is_set():
     """A shorter slab leaves a wider gap: slab.gap only derives a length that is not set."""
     data = made_run(**{"track.slab.length": 4.93, "track.slab.gap": 0.07})
-    assert summarise(data).slab_frequency == pytest.approx(SPEED / SLAB)
+    assert summarise(data).slab_passing_frequency == pytest.approx(SPEED / SLAB)
 
 
 def test_short_run_has_no_slab_amplitude():
     found = summarise(made_run(distance=6.0))
-    assert found.range.of == "bay"
-    assert np.isnan(found.force_slab).all()
-    assert np.isfinite(found.force_sleeper).all()
+    assert found.window.of == "bay"
+    assert np.isnan(figure(found, "wheel_force_slab_passing_amplitude")).all()
+    assert np.isfinite(figure(found, "wheel_force_fastener_passing_amplitude")).all()
 
 
 def test_a_run_of_a_foreign_track_has_forces_but_no_amplitudes():
     data = made_run()
     data.attrs = {k: v for k, v in data.attrs.items() if not k.startswith("track.")}
     found = summarise(data.drop_vars("axle_box_vertical_acceleration"))
-    assert np.isfinite(found.force_mean).all()
-    assert np.isnan(found.force_sleeper).all()
-    assert np.isnan(found.acceleration_max).all()
+    assert np.isfinite(figure(found, "wheel_force_mean")).all()
+    assert np.isnan(figure(found, "wheel_force_fastener_passing_amplitude")).all()
+    assert "axle_box_acceleration_peak" not in found.data
+    assert found.state == "not tested for a steady state (the slab length is not known)"
     assert " nan" not in table_text(found, data)
 
 
@@ -166,8 +182,10 @@ def test_a_wheel_without_a_record_is_left_out():
 def test_a_vehicle_without_its_position_has_run_speed_times_time(tmp_path):
     data = made_run()
     found, without = summarise(data), summarise(data.drop_vars("distance"))
-    assert without.range.periods == found.range.periods
-    assert without.force_sleeper == pytest.approx(found.force_sleeper, rel=1e-6)
+    assert without.window.periods == found.window.periods
+    assert figure(without, "wheel_force_fastener_passing_amplitude") == pytest.approx(
+        figure(found, "wheel_force_fastener_passing_amplitude"), rel=1e-6
+    )
     plot_run(data.drop_vars("distance"), without, tmp_path / "run.svg")
     assert "</svg>" in (tmp_path / "run.svg").read_text()
 
@@ -183,7 +201,7 @@ def table_text(found, data):
     return console.file.getvalue()
 
 
-def test_table_states_range_forces_frequencies_and_speed():
+def test_table_states_window_forces_frequencies_and_speed():
     data = made_run()
     text = table_text(summarise(data), data)
     for expected in ("9 whole slab lengths", "132.5 Hz", "16.6 Hz", "4 right", "3.200", "0.400"):
@@ -208,3 +226,195 @@ def test_picture_is_drawn(tmp_path, ending, magic):
 def test_picture_in_an_unknown_format_is_refused(tmp_path):
     with pytest.raises(ParameterError, match=r"run\.docx': must end in \.png or \.pdf or \.svg"):
         check_format(tmp_path / "run.docx")
+
+
+# The whole run: extremes, losses of contact, events outside the window.
+
+JOINT = 21.0  # m; the wheels of wheelset w come there 2.5 m later each
+
+
+def joint_run(distance=100.0, **attributes):
+    """Each wheel hits a joint, and the leading left one leaves the rail twice."""
+    data = made_run(distance, **attributes)
+    x = data["distance"].to_numpy()
+    for wheelset in range(4):
+        hit = np.abs(x - JOINT - 2.5 * wheelset) < 0.2
+        data["normal_force"][hit, wheelset] += 1e5 + 1e3 * wheelset
+        data["axle_box_vertical_acceleration"][hit, wheelset, 1] -= 160.0
+    data["normal_force"][2000:2007, 0, 0] = 0.0
+    data["normal_force"][2010:2013, 0, 0] = -1.0
+    return data
+
+
+@pytest.mark.parametrize("chunk", [100, 2005, 10**6])
+def test_extremes_are_those_of_all_records(monkeypatch, chunk):
+    """Computed here record by record; the summary reads them part by part."""
+    monkeypatch.setattr("rail_cosim.extremes.CHUNK", chunk)
+    data = joint_run()
+    found = summarise(data)
+    assert found.window.start > 50.0
+    x = data["distance"].to_numpy()
+    for wheelset in range(4):
+        for side in range(2):
+            force = data["normal_force"].to_numpy()[:, wheelset, side].tolist()
+            box = data["axle_box_vertical_acceleration"].to_numpy()[:, wheelset, side].tolist()
+            for name, values, chosen in (
+                ("wheel_force_max", force, max(force)),
+                ("wheel_force_min", force, min(force)),
+                ("axle_box_acceleration_peak", list(map(abs, box)), max(map(abs, box))),
+            ):
+                assert figure(found, name)[wheelset, side] == chosen
+                where = figure(found, f"{name}_distance")[wheelset, side]
+                assert where == x[values.index(chosen)]
+    assert figure(found, "wheel_force_max").max() > 170e3
+
+
+@pytest.mark.parametrize("chunk", [2003, 10**6])
+def test_losses_of_contact_are_counted_and_timed(monkeypatch, chunk):
+    """Seven and three records 0.1 ms apart; the first loss goes over the edge of a part."""
+    monkeypatch.setattr("rail_cosim.extremes.CHUNK", chunk)
+    found = summarise(joint_run())
+    first = {"wheelset": 1, "side": "left"}
+    assert int(found["loss_of_contact_count"].sel(first)) == 2
+    assert float(found["loss_of_contact_longest"].sel(first)) == pytest.approx(7e-4)
+    assert float(found["loss_of_contact_total"].sel(first)) == pytest.approx(10e-4)
+    assert int(found["loss_of_contact_count"].sum()) == 2
+
+
+def test_an_event_before_the_records_of_the_window_is_not_hidden(monkeypatch):
+    monkeypatch.setattr("rail_cosim.window.LONGEST", 3000)
+    data = joint_run()
+    found = summarise(data)
+    assert found.window.start > 75.0
+    assert data["distance"].to_numpy()[found.window.rows][-1] == pytest.approx(100.0, abs=0.01)
+    assert float(found["wheel_force_max"].max()) == float(data["normal_force"].max())
+
+
+def test_a_wheel_that_is_not_a_number_has_no_extremes():
+    data = joint_run()
+    data["normal_force"][:, 2, 1] = math.nan
+    data["normal_force"][:20, 1, 1] = math.nan
+    found = summarise(data)
+    assert math.isnan(figure(found, "wheel_force_max")[2, 1])
+    expected = np.nanmax(data["normal_force"].to_numpy()[:, 1, 1])
+    assert figure(found, "wheel_force_max")[1, 1] == expected
+    assert figure(found, "loss_of_contact_count")[2, 1] == 0
+
+
+def test_what_happened_outside_the_window_is_said():
+    found = summarise(joint_run())
+    force, least, lost, box = found.events
+    # The fourth wheelset hits hardest, at 21 + 7.5 m.
+    assert force.startswith("largest wheel force 17")
+    assert re.search(r"at 28\.\d\d m \(wheel 4 (left|right); in the window 7", force)
+    assert least.startswith("smallest wheel force -0.001 kN at 16.75 m (wheel 1 left; in the")
+    assert lost == "loss of contact (wheel 1 left)"
+    assert re.match(r"peak axle-box acceleration 18\d\..* right; in the window", box)
+
+
+def test_what_happened_inside_the_window_is_no_event_outside_it():
+    data = joint_run()
+    data["normal_force"][9000:9020, :, :] = 300e3
+    data["normal_force"][9030:9050, :, :] = -1.0
+    data["axle_box_vertical_acceleration"][9000, :, :] = 400.0
+    found = summarise(data)
+    assert found.events == ["loss of contact (wheel 1 left)"]
+    data["normal_force"][2000:2013, 0, 0] = 70e3
+    assert summarise(data).events == []
+
+
+def test_the_start_of_an_ordinary_run_is_no_event():
+    """A start-up of 2 kN, as far beyond the window as that of a real run."""
+    data = made_run()
+    data["normal_force"] -= 3e3 * np.exp(-data["distance"] / 2.0)
+    assert summarise(data).events == []
+
+
+def test_steady_is_what_repeats_from_slab_to_slab():
+    found = summarise(made_run())
+    assert found.steady
+    assert found.state == f"steady (change {100 * found.change:.2g} % from slab to slab)"
+    assert found.change < 1e-3
+
+
+def test_a_motion_that_decays_over_the_window_is_not_steady():
+    """exp(-x/20) 5 kN more: the change over the first slab of the window in closed form."""
+    data = made_run().drop_vars("axle_box_vertical_acceleration")
+    x = data["distance"].to_numpy()
+    data["normal_force"] += 5e3 * np.exp(-x / 20.0)[:, None, None]
+    found = summarise(data)
+    assert not found.steady
+    start = found.window.start
+    now = data["normal_force"].to_numpy()[(x > start) & (x <= start + SLAB)]
+    decay = 5e3 * np.exp(-x[(x > start) & (x <= start + SLAB)] / 20.0)
+    change = decay * (1.0 - np.exp(SLAB / 20.0))
+    expected = np.sqrt(np.mean(change**2) / np.mean((now - now.mean(axis=0)) ** 2))
+    assert found.change == pytest.approx(expected, rel=1e-2)
+    assert found.state == f"not steady (change {100 * expected:.2g} % from slab to slab)"
+
+
+def test_a_run_that_was_asked_to_become_steady_is_judged_by_what_was_asked():
+    data = made_run()
+    data["normal_force"] *= 1.0 + 2e-6 * data["distance"]
+    assert summarise(data).steady
+    data.attrs |= {"steady": 0, "steady_tolerance": 1e-4}
+    assert not summarise(data).steady
+    data.attrs["steady"] = 1
+    window = summarise(data).window
+    assert (window.periods, window.of) == (2, "slab")
+    assert window.stop - window.start == pytest.approx(2 * SLAB, abs=SPEED * STEP)
+
+
+def test_a_run_at_changing_speed_is_not_called_steady():
+    found = summarise(made_run(final_speed_km_h=350.0))
+    assert not found.steady
+    assert found.state == "not steady (the speed changes)"
+
+
+def test_a_run_shorter_than_two_slabs_is_not_called_steady():
+    found = summarise(made_run(distance=6.0))
+    assert not found.steady
+    assert "shorter than two slab lengths" in found.state
+
+
+def test_every_figure_tells_its_unit_meaning_and_window(tmp_path):
+    found = summarise(joint_run())
+    data = found.to_dataset()
+    for name, array in data.data_vars.items():
+        assert array.dims == ("wheelset", "side"), name
+        assert array.attrs["units"] in ("N", "m", "m/s2", "s", "1"), name
+        assert array.attrs["long_name"], name
+        whole = array.attrs["evaluated_over"] == "whole run, 0.00 to 100.00 m"
+        window = array.attrs["evaluated_over"] == f"evaluation window, {found.window.text}"
+        assert whole != window, name
+    assert data["side"].to_numpy().tolist() == ["left", "right"]
+    data.to_netcdf(tmp_path / "summary.nc", engine="h5netcdf")
+    assert data.attrs["steady"] == 1
+
+
+def test_a_summary_shows_itself():
+    data = joint_run()
+    text = repr(summarise(data))
+    assert text == str(summarise(data))
+    for expected in (
+        "Whole run, distance travelled 0.00 to 100.00 m",
+        "wheel 1 left: 2 times, longest 0.7 ms, total 1 ms",
+        "steady (change ",
+        "Outside the evaluation window:",
+        "largest wheel force 17",
+    ):
+        assert expected in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_no_loss_of_contact_is_said():
+    assert "loss of contact  none" in str(summarise(made_run()))
+
+
+def test_what_is_not_recorded_is_said():
+    data = made_run()
+    without = summarise(data.drop_vars("normal_force"))
+    assert "loss of contact  not recorded" in str(without)
+    assert "wheel_force_max" not in without.data
+    nothing = summarise(data[["distance"]])
+    assert "wheel forces and accelerations not recorded" in str(nothing)

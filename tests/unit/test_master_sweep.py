@@ -13,7 +13,8 @@ from rail_cosim.sweeps import PointResult, Store, SweepSpecification, read_speci
 from rail_cosim.sweeps.assembly import assemble
 from rail_cosim.sweeps.cluster import worker_count
 from rail_cosim.sweeps.plan import FmuFile, Plan, Task
-from rail_cosim.sweeps.quantities import evaluate, histories, last_slab
+from rail_cosim.sweeps.quantities import evaluate, histories
+from rail_cosim.window import WindowChoice, last_slabs
 
 STIFFNESS = "track.fastener.vertical_stiffness"
 FILE = """
@@ -75,6 +76,18 @@ def test_single_points_and_a_fixed_distance(tmp_path):
     assert list(options.settings) == ["track.slab_support.basis=per_slab"]
 
 
+def test_a_run_on_irregular_track_is_not_to_become_steady(tmp_path):
+    text = "[run]\nirregularity = 'german_low'\n{}\n[grid]\nspeed = [200]\n[window]\nfrom = 20"
+    found = read_specification(written(tmp_path, text.format("")))
+    assert found.options({"speed": 200}).until_steady is None
+    assert found.window_choice == WindowChoice(start=20)
+    far = read_specification(written(tmp_path, text.format("distance = 19")))
+    with pytest.raises(ParameterError, match=r"window\.from = 20: the run ends at 19 m"):
+        far.options({"speed": 200})
+    wanted = read_specification(written(tmp_path, text.format("until_steady = 0.01")))
+    assert wanted.options({"speed": 200}).until_steady == 0.01
+
+
 REFUSED = {
     "no TOML": ("[grid", "is no TOML file"),
     "nothing to vary": ("[run]\nspeed = 100", "needs axes or single points"),
@@ -94,6 +107,12 @@ REFUSED = {
     "unknown statistic": (
         "[grid]\nspeed = [1]\n[keep]\nnormal_force = ['maximum']",
         r"keep\.normal_force = 'maximum': .*max",
+    ),
+    "unknown percentile": ("[grid]\nspeed = [1]\n[keep]\nnormal_force = ['p101']", "p101.*p99.85"),
+    "unknown window": ("[grid]\nspeed = [1]\n[window]\nstart = 3", r"window\.start.*from"),
+    "a periodic statistic of the whole run": (
+        "[run]\nuntil_steady = false\n[grid]\nspeed = [1]\n[keep]\nnormal_force = ['slab_peak']",
+        r"keep\.normal_force = 'slab_peak': .* choose last_slabs = 1 below \[window\]",
     ),
     "unknown entry": ("[grid]\nspeed = [1]\n[history]\nall = 3", r"history\.all"),
 }
@@ -133,11 +152,15 @@ def made_run(records=350):
     )
 
 
-def test_statistics_are_those_of_the_last_slab():
+LAST_SLAB = WindowChoice(last_slabs=1)
+
+
+def test_statistics_of_a_steady_run_are_those_of_the_last_slab():
     """Records 251 to 350: half in the third slab, half in the fourth."""
     run = made_run()
-    assert last_slab(run) == slice(250, 350)
+    assert last_slabs(run).rows == slice(250, 350)
     statistics = ["max", "min", "mean", "half_range", "rms", "peak", "dominant_frequency"]
+    run.attrs["steady"] = 1
     found = evaluate(run, {"normal_force": statistics})
     crest = np.sin(2 * np.pi * 3 / 12.5)  # nearest record to the crest: 12.5 records a bay
 
@@ -155,8 +178,90 @@ def test_statistics_are_those_of_the_last_slab():
     assert found["normal_force_dominant_frequency"].attrs["units"] == "Hz"
 
 
+def kept(run, statistic, choice=None):
+    found = evaluate(run, {"normal_force": [statistic]}, choice)
+    return found[f"normal_force_{statistic}"]
+
+
+def test_statistics_of_another_run_are_those_of_the_whole():
+    run = made_run()
+    run["normal_force"][7, 1, 0] = 99.0
+    largest = kept(run, "max")
+    np.testing.assert_array_equal(largest, run["normal_force"].to_numpy().max(axis=0))
+    assert float(largest.max()) == 99.0
+    assert largest.attrs["evaluation_window"] == "whole run"
+    steady = kept(run.assign_attrs(steady=0), "max")
+    assert steady.attrs["evaluation_window"] == "last slab length"
+    assert float(steady.max()) < 20.0
+
+
+@pytest.mark.parametrize(
+    ("entries", "rows", "words"),
+    [
+        ({"from": 5.0}, slice(99, 350), "distance travelled 5 m to the end"),
+        ({"to": 5.0}, slice(0, 100), "distance travelled 0 m to 5 m"),
+        ({"from": 5.01, "to": 10.0}, slice(100, 200), "distance travelled 5.01 m to 10 m"),
+        ({"last_slabs": 3}, slice(50, 350), "last 3 slab lengths"),
+        ({"to": 17.55}, slice(0, 350), "distance travelled 0 m to 17.55 m"),  # a step beyond
+    ],
+)
+def test_a_window_is_chosen_by_distance_or_by_slabs(entries, rows, words):
+    run = made_run()
+    found = kept(run, "rms", WindowChoice.of(entries))
+    expected = run["normal_force"].to_numpy()[rows].std(axis=0)
+    np.testing.assert_allclose(found.to_numpy(), expected, rtol=1e-12)
+    assert found.attrs["evaluation_window"] == words
+
+
+BAD_WINDOWS = {
+    "unknown": ({"start": 3}, r"window\.start = 3: .*from, to, last_slabs"),
+    "order": ({"from": 5, "to": 5}, r"window\.from = 5: must be less than window\.to = 5 m"),
+    "negative": ({"from": -1}, r"window\.from = -1: must be at least 0 m"),
+    "text": ({"to": "5 m"}, r"window\.to = '5 m': must be a number"),
+    "both": ({"from": 3, "last_slabs": 1}, r"window\.from = 3: .*last_slabs.*give one of them"),
+    "no slab": ({"last_slabs": 0}, r"window\.last_slabs = 0: must be at least 1"),
+    "part of a slab": ({"last_slabs": 1.5}, r"window\.last_slabs = 1\.5: must be a whole"),
+    "too far": ({"to": 18.0}, r"window\.to = 18\.0: the run ends at 17\.\d+ m; .*longer distance"),
+    "beyond": ({"from": 20}, r"window\.from = 20: the run ends at 17\.\d+ m"),
+    "nothing": ({"from": 9.99, "to": 9.999}, r"window\.from = 9\.99: there are 0 records"),
+    "too many": ({"last_slabs": 4}, r"last_slabs = 4: the run has 3 whole slab lengths"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_WINDOWS)
+def test_a_window_that_makes_no_sense_is_refused(case):
+    entries, message = BAD_WINDOWS[case]
+    with pytest.raises(ParameterError, match=message):
+        kept(made_run(), "max", WindowChoice.of(entries))
+
+
+def test_percentiles_by_name():
+    run = made_run()
+    for name, percent in (("p50", 50), ("p99.85", 99.85), ("p0.15", 0.15)):
+        expected = np.percentile(run["normal_force"].to_numpy(), percent, axis=0)
+        np.testing.assert_allclose(kept(run, name).to_numpy(), expected, rtol=1e-12)
+    assert "99.85 % percentile" in kept(run, "p99.85").attrs["long_name"]
+
+
+def test_percentile_of_en_14363_is_that_of_the_filtered_signal():
+    """The wave of 80 Hz goes through a low-pass of 20 Hz as by 4^-4; the mean remains."""
+    run = made_run(2000)
+    run["normal_force"][:] = 2.5 + np.sin(2 * np.pi * 80.0 * run["time"].to_numpy())[:, None, None]
+    found = kept(run, "p99.85_20_hz", WindowChoice(start=50.0)).to_numpy()
+    assert found == pytest.approx(2.5 + 4.0**-4, abs=1e-3)
+    assert kept(run, "p99.85", WindowChoice(start=50.0)).to_numpy() == pytest.approx(3.5, abs=0.01)
+
+
+def test_what_is_periodic_is_not_taken_from_any_window():
+    for statistic in ("slab_peak", "half_range_500_hz"):
+        with pytest.raises(ParameterError, match=f"{statistic}.*whole slab lengths; choose last_s"):
+            kept(made_run(), statistic)
+    two = kept(made_run(), "slab_peak", WindowChoice(last_slabs=2))
+    assert two.to_numpy().max() > 0.5  # the wave grows from slab to slab
+
+
 def test_lift_off_is_the_time_without_force():
-    found = evaluate(made_run(), {"normal_force": ["lift_off_time"]})
+    found = evaluate(made_run(), {"normal_force": ["lift_off_time"]}, LAST_SLAB)
     force = made_run()["normal_force"].to_numpy()[250:, :, 0]
     expected = [np.sum(force[:, wheel] <= 0.0) * STEP for wheel in (0, 1)]
     assert 0.0 < expected[0] < expected[1]
@@ -173,7 +278,7 @@ def test_histories_are_records_with_their_time():
 
 
 def test_a_run_shorter_than_a_slab_gives_its_second_half():
-    assert last_slab(made_run(80)) == slice(40, 80)
+    assert last_slabs(made_run(80)).rows == slice(40, 80)
 
 
 def test_what_a_run_does_not_have_is_refused():
@@ -349,6 +454,7 @@ KEYED = {
     "fmus": FMUS | {"track": FmuFile(name="track.fmu", identity="rebuilt")},
     "keep": {"normal_force": ["min"]},
     "history": ("normal_force",),
+    "window": WindowChoice(last_slabs=2),
 }
 
 
@@ -387,9 +493,9 @@ def test_the_slab_part_is_what_does_not_repeat_from_bay_to_bay():
     bays = 5.0 * np.sin(2 * np.pi * x / BAY) + 2.0 * np.cos(4 * np.pi * x / BAY)
     slab = 0.7 * np.cos(2 * np.pi * 3 * x / (BAY * COUNT))
     run["normal_force"][:] = (4.0 + bays + slab)[:, None, None]
-    found = evaluate(run, {"normal_force": ["slab_peak"]})["normal_force_slab_peak"]
+    found = evaluate(run, {"normal_force": ["slab_peak"]}, LAST_SLAB)["normal_force_slab_peak"]
     assert found.to_numpy() == pytest.approx(0.7, rel=0.01)
     assert found.attrs["units"] == "N"
     del run.attrs["track.fastener.spacing"]
-    with pytest.raises(ParameterError, match="sleeper bay"):
-        evaluate(run, {"normal_force": ["slab_peak"]})
+    with pytest.raises(ParameterError, match="fastener spacing"):
+        evaluate(run, {"normal_force": ["slab_peak"]}, LAST_SLAB)

@@ -29,7 +29,7 @@ from scipy import signal
 
 from rail_cosim.errors import ParameterError
 from rail_cosim.postprocessing.signals import Array, along_time, sampling_rate
-from rail_cosim.summary import distances
+from rail_cosim.window import distances
 
 EN14363_LOW_PASS = 20.0
 """Limit frequency for forces, Hz."""

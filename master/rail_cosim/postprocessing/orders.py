@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 
 from rail_cosim.errors import ParameterError
 from rail_cosim.postprocessing.signals import Array
-from rail_cosim.summary import distances, periods
+from rail_cosim.window import distances, periods
 
 _LEAST_PER_PERIOD = 16
 

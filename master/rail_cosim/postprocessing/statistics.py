@@ -27,18 +27,17 @@ from rail_cosim.postprocessing.filters import (
     moving_mean,
     percentiles,
 )
-from rail_cosim.postprocessing.signals import time_step
-from rail_cosim.summary import choose_range, distances, periods
-from rail_cosim.sweeps.quantities import BAND_LIMIT, half_range_below_limit, last_slab
+from rail_cosim.postprocessing.signals import Array, time_step
+from rail_cosim.window import distances, evaluation_window, last_slabs
 
+BAND_LIMIT = 500.0  # Hz
 _LOADS = ("vehicle.static_wheel_load", "track.static_wheel_load")
 
 
 def evaluated(dataset: xr.Dataset) -> slice:
-    """Return the records that figures of a run are taken from.
+    """Return the records of the evaluation window of a run.
 
-    The last whole number of slab lengths (of bays, in a short run) within the second half of the
-    way: the first half is left to the initial transients.
+    It is that of :func:`rail_cosim.window.evaluation_window`.
 
     Raises
     ------
@@ -46,7 +45,7 @@ def evaluated(dataset: xr.Dataset) -> slice:
         If the run has too few records.
     """
     time_step(dataset)
-    return choose_range(np.asarray(distances(dataset), float), *periods(dataset)).rows
+    return evaluation_window(dataset).rows
 
 
 def static_wheel_load(dataset: xr.Dataset) -> float:
@@ -86,11 +85,28 @@ def steady_state_amplitude(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataA
         Dimensions ``time`` and any others.
     """
     step = time_step(dataset)
-    ordered = array.transpose("time", ...).isel(time=last_slab(dataset))
+    ordered = array.transpose("time", ...).isel(time=last_slabs(dataset).rows)
     found = half_range_below_limit(ordered.to_numpy().astype(float), step)
     others = ordered.isel(time=0, drop=True)
     about = {"long_name": f"half the peak to peak below {BAND_LIMIT:g} Hz, last slab length"}
     return others.copy(data=found).assign_attrs({**array.attrs, **about})
+
+
+def half_range_below_limit(values: Array, step: float) -> Array:
+    """Return the amplitude (half peak-to-peak) of the Fourier terms up to 500 Hz.
+
+    As instrumented wheelsets give it.
+
+    Parameters
+    ----------
+    values
+        Shape (n, ...), over whole periods of the motion.
+    step
+        Time between them in s.
+    """
+    lines = np.fft.rfft(values, axis=0)
+    lines[np.fft.rfftfreq(len(values), step) > BAND_LIMIT] = 0.0
+    return 0.5 * np.ptp(np.fft.irfft(lines, len(values), axis=0), axis=0)
 
 
 def basic_statistics(array: xr.DataArray) -> xr.Dataset:

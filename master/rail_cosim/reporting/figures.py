@@ -27,7 +27,7 @@ from rail_cosim.postprocessing.comfort import BLOCK, BLOCKS, SETTLING
 from rail_cosim.reporting.motion import channels
 from rail_cosim.reporting.schematic import drawing, geometry
 from rail_cosim.reporting.sections import Figure, MissingError, Section, Table, need, number
-from rail_cosim.summary import distances
+from rail_cosim.window import distances
 
 _ABOUT = (
     ("command", "command"),

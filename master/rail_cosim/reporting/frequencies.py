@@ -18,7 +18,8 @@ from rail_cosim.postprocessing import (
 from rail_cosim.reporting.charts import chart, heat_map, line
 from rail_cosim.reporting.motion import channels
 from rail_cosim.reporting.sections import Figure, MissingError, Section, need
-from rail_cosim.summary import Summary, periods
+from rail_cosim.summary import Summary
+from rail_cosim.window import periods
 
 _HIGHEST, _HIGHEST_ORDER = 2000.0, 10.0
 _BOX = "axle_box_vertical_acceleration"
@@ -33,7 +34,8 @@ def spectra(run: xr.Dataset, summary: Summary) -> Section:
     """Return the section of spectra."""
     section = Section(
         title="Spectra",
-        intro=f"Of the evaluated part, {summary.range.text}. Amplitudes are half of peak to peak.",
+        intro=f"Of the evaluation window, {summary.window.text}. "
+        "Amplitudes are those of the spectral lines.",
     )
     for title, unit, factor, names in (
         ("axle-box acceleration", "m/s²", 1.0, (_BOX,)),
@@ -96,7 +98,10 @@ def _spectrum(
     found = found.isel(frequency=slice(2, None)).sel(frequency=slice(None, _HIGHEST))
     frequency = found["frequency"].to_numpy()
     largest = float(found.max()) * factor
-    marks = {"sleepers": summary.sleeper_frequency, "slabs": summary.slab_frequency}
+    marks = {
+        "fastener passing": summary.fastener_passing_frequency,
+        "slab passing": summary.slab_passing_frequency,
+    }
     drawn = chart(
         _lines(found, frequency, factor),
         x="frequency (Hz)",

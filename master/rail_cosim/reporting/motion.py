@@ -9,12 +9,12 @@ from rail_cosim.postprocessing import flange_climbing, sum_of_guiding_forces
 from rail_cosim.reporting.charts import COLOURS, Chart, chart, line
 from rail_cosim.reporting.sections import Figure, Section, need
 from rail_cosim.results import SIDES
-from rail_cosim.summary import Range, distances
+from rail_cosim.window import EvaluationWindow, distances
 
 WAY = "way of the leading wheelset (m)"
 
 
-def forces(run: xr.Dataset, chosen: Range) -> Section:
+def forces(run: xr.Dataset, chosen: EvaluationWindow) -> Section:
     """Return the section of wheel forces."""
     section = Section(
         title="Wheel forces",
@@ -34,7 +34,7 @@ def forces(run: xr.Dataset, chosen: Range) -> Section:
     return section
 
 
-def accelerations(run: xr.Dataset, chosen: Range) -> Section:
+def accelerations(run: xr.Dataset, chosen: EvaluationWindow) -> Section:
     """Return the section of accelerations."""
     section = Section(title="Accelerations")
     boxes = "axle_box_vertical_acceleration"
@@ -105,7 +105,12 @@ def _titled(title: str, unit: str) -> str:
 
 
 def _whole(
-    run: xr.Dataset, chosen: Range, array: xr.DataArray, title: str, unit: str, factor: float
+    run: xr.Dataset,
+    chosen: EvaluationWindow,
+    array: xr.DataArray,
+    title: str,
+    unit: str,
+    factor: float,
 ) -> Figure:
     drawn = chart(
         _lines(distances(run), array, factor),
@@ -117,7 +122,12 @@ def _whole(
 
 
 def _end(
-    run: xr.Dataset, chosen: Range, array: xr.DataArray, title: str, unit: str, factor: float
+    run: xr.Dataset,
+    chosen: EvaluationWindow,
+    array: xr.DataArray,
+    title: str,
+    unit: str,
+    factor: float,
 ) -> Figure:
     """Draw the last whole length of the evaluated part, every record."""
     length = (chosen.stop - chosen.start) / max(1, chosen.periods or 10)

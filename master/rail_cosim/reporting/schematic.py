@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from rail_cosim.summary import periods
+from rail_cosim.window import periods
 
 _WIDTH = 1000.0  # px
 _VERTICAL = 10.0  # px/m: heights only, along the line the window fills the width

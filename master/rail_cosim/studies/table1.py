@@ -25,7 +25,8 @@ from rail_cosim.runner import execute, find_fmus, gather_parameters
 from rail_cosim.studies.base import StudyOptions, StudyResult
 from rail_cosim.studies.slide import LEVEL
 from rail_cosim.studies.table1_plot import plot_models
-from rail_cosim.summary import amplitudes, distances, periods
+from rail_cosim.summary import amplitudes
+from rail_cosim.window import distances, periods
 
 _SPEED = 300.0
 _SLABS, _MODES = 13, 256  # the article's window; modes with the default's shortest wave

@@ -66,6 +66,7 @@ def sweep(
     run: Mapping[str, Any] | None = None,
     settings: Mapping[str, Value] | None = None,
     keep: Mapping[str, Sequence[str]] | None = None,
+    window: Mapping[str, Any] | None = None,
     history: Sequence[str] = (),
     history_every: int = 1,
     scheduler: str | Client | None = None,
@@ -81,8 +82,8 @@ def sweep(
     ----------
     specification
         A TOML file (:func:`read_specification`), or what is made of it; or ``None``, and
-        the next seven arguments.
-    grid, points, run, settings, keep, history, history_every
+        the next eight arguments.
+    grid, points, run, settings, keep, window, history, history_every
         As in :class:`SweepSpecification`.
     scheduler
         Address of a Dask scheduler, or a client; ``None`` starts processes on this machine.
@@ -117,6 +118,7 @@ def sweep(
             run=run or {},
             settings=settings or {},
             keep=KEPT if keep is None else keep,
+            window=window or {},
             history=history,
             history_every=history_every,
         )

@@ -12,6 +12,7 @@ import xarray as xr
 from rail_cosim import version
 from rail_cosim.sweeps.plan import Plan
 from rail_cosim.sweeps.point import PointResult
+from rail_cosim.sweeps.quantities import WINDOW
 
 POINT = "point"
 
@@ -30,7 +31,8 @@ def assemble(plan: Plan, results: Sequence[PointResult]) -> xr.Dataset:
     -------
     xarray.Dataset
         Dimensions are the axes of a grid, or ``point`` with the axes as coordinates; then
-        those of the quantities. ``error`` says why a point failed.
+        those of the quantities. Statistics have the attribute ``evaluation_window``, points
+        ``window_start`` and ``window_stop`` (m). ``error`` says why a point failed.
     """
     specification = plan.specification
     dimensions = specification.axes if specification.grid else (POINT,)
@@ -44,11 +46,13 @@ def assemble(plan: Plan, results: Sequence[PointResult]) -> xr.Dataset:
                 found = result.data[name].transpose(*template.dims).to_numpy()
                 values[(row, *(slice(n) for n in found.shape))] = found
         whole = values.reshape(*shape, *sizes)
-        joined[name] = ((*dimensions, *template.dims), whole, template.attrs)
+        about = template.attrs | _windows(results, name)
+        joined[name] = ((*dimensions, *template.dims), whole, about)
     joined = joined.assign_coords(_coordinates(results))
+    remarks = ["\n".join(result.remarks) for result in results]
     for name, texts, meaning in (
         ("error", [r.error for r in results], "why the point failed, empty if it did not"),
-        ("remarks", ["\n".join(r.remarks) for r in results], "warnings of the FMUs"),
+        ("remarks", remarks, "warnings of the FMUs, events outside the evaluation window"),
     ):
         array = np.array(texts, dtype=object).reshape(shape)
         joined[name] = (dimensions, array, {"long_name": meaning})
@@ -61,6 +65,13 @@ def _templates(results: Sequence[PointResult]) -> dict[str, xr.DataArray]:
         for name, array in result.data.data_vars.items():
             found.setdefault(str(name), array)
     return found
+
+
+def _windows(results: Sequence[PointResult], name: str) -> dict[str, str]:
+    """Return over what a statistic was evaluated, if it is one; all windows if they differ."""
+    attributes = [result.data[name].attrs for result in results if name in result.data]
+    texts = [about[WINDOW] for about in attributes if WINDOW in about]
+    return {WINDOW: " or ".join(dict.fromkeys(texts))} if texts else {}
 
 
 def _sizes(results: Sequence[PointResult], template: xr.DataArray) -> tuple[int, ...]:

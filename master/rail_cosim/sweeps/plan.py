@@ -18,8 +18,9 @@ from rail_cosim.results import place
 from rail_cosim.runner import find_fmus, gather_parameters
 from rail_cosim.slave import Value
 from rail_cosim.sweeps.specification import SweepSpecification
+from rail_cosim.window import WindowChoice
 
-FORMAT = 1
+FORMAT = 2
 """Raised when the same task would give another result: old stores are then not read."""
 
 _DATE = re.compile(rb'generationDateAndTime="[^"]*"')
@@ -45,7 +46,7 @@ class Task:
         All values to set, by FMU and name, checked.
     fmus
         The FMUs, by ``track`` and ``vehicle``.
-    keep, history, history_every
+    keep, window, history, history_every
         As in :class:`SweepSpecification`.
     """
 
@@ -55,6 +56,7 @@ class Task:
     keep: Mapping[str, Sequence[str]]
     history: Sequence[str]
     history_every: int
+    window: WindowChoice | None = None
 
     @functools.cached_property
     def key(self) -> str:
@@ -73,6 +75,7 @@ class Task:
             "algorithm": options.algorithm,
             "record_every": options.record_every,
             "keep": {name: list(statistics) for name, statistics in self.keep.items()},
+            "window": None if self.window is None else dataclasses.asdict(self.window),
             "history": [*self.history, self.history_every],
         }
         if options.final_speed is not None:  # only then: keys of other runs stay as they are
@@ -125,6 +128,7 @@ def make_plan(specification: SweepSpecification) -> Plan:
             parameters=gather_parameters(options, fmus.descriptions, fmus.presets),
             fmus=fmus.files,
             keep=specification.keep,
+            window=specification.window_choice,
             history=specification.history,
             history_every=specification.history_every,
         )
@@ -201,7 +205,7 @@ def _check_variables(
 _OPTIONS = {
     "speed": ("km/h", "running speed"),
     "final_speed": ("km/h", "speed at the end of the distance"),
-    "distance": ("m", "largest way of the leading wheelset"),
+    "distance": ("m", "largest distance travelled"),
     "until_steady": ("1", "largest relative change from slab to slab"),
     "macro_step": ("s", "largest communication step"),
     "line": ("1", "parameter set of the track"),

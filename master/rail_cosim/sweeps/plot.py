@@ -24,7 +24,15 @@ from rail_cosim.errors import ParameterError
 from rail_cosim.plot import check_format
 from rail_cosim.sweeps.assembly import POINT
 
-_FACTS = ("error", "remarks", "way", "steady", "steady_change")
+_FACTS = (
+    "error",
+    "remarks",
+    "distance_travelled",
+    "steady",
+    "steady_change",
+    "window_start",
+    "window_stop",
+)
 _WHEELS = ("wheelset", "side", "bogie")
 _CURVES = 7  # at most so many curves in a panel; more are a map
 _FLAT = 1e-4  # relative; below this the panel shows a constant

@@ -11,9 +11,12 @@ import xarray as xr
 from rail_cosim.cache import cache_directory
 from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import RailCosimError
+from rail_cosim.events import events_outside
+from rail_cosim.extremes import extremes
 from rail_cosim.runner import simulate
 from rail_cosim.sweeps.plan import FmuFile, Task
-from rail_cosim.sweeps.quantities import evaluate, histories
+from rail_cosim.sweeps.quantities import evaluate, histories, window_of
+from rail_cosim.window import WindowChoice
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -27,7 +30,7 @@ class PointResult:
     error
         Why it failed, empty if it did not.
     remarks
-        Warnings of the FMUs.
+        Warnings of the FMUs; what the statistics do not tell.
     lasting
         Whether it would come out so again; not so where the worker died.
     """
@@ -73,29 +76,42 @@ def run_point(task: Task) -> PointResult:
         run, outcome = simulate(task.options, descriptions, task.parameters, remarks)
         if outcome.error is not None:
             raise outcome.error
-        data = xr.merge(
-            [
-                evaluate(run, task.keep),
-                histories(run, task.history, task.history_every),
-                _facts(run),
-            ]
-        )
+        evaluated = evaluate(run, task.keep, task.window)
+        records = histories(run, task.history, task.history_every)
+        data = xr.merge([evaluated, records, _facts(run, task.window)])
+        remarks.texts += _unseen(run, task.window)
     except RailCosimError as error:
         return PointResult(data=xr.Dataset(), error=str(error), remarks=tuple(remarks.texts))
     return PointResult(data=data, remarks=tuple(remarks.texts))
 
 
-def _facts(run: xr.Dataset) -> xr.Dataset:
-    """Return how far the run went, and whether it was steady in the end."""
-    steady = {"units": "1", "long_name": "1: the run had become steady, 0: not by its end"}
-    change = {"units": "1", "long_name": "relative change over the last slab length"}
-    way = {"units": "m", "long_name": "way of the leading wheelset"}
-    facts = (
-        xr.Dataset({"way": ((), float(run["distance"][-1]), way)})
-        if "distance" in run
-        else (xr.Dataset())
-    )
+def _facts(run: xr.Dataset, choice: WindowChoice | None) -> xr.Dataset:
+    """Return how far the run went, over what it was evaluated, and whether it was steady."""
+    window = window_of(run, choice)[0]
+    found: dict[str, tuple[float, str, str]] = {
+        "window_start": (window.start, "m", "distance travelled, start of the evaluation window"),
+        "window_stop": (window.stop, "m", "distance travelled, end of the evaluation window"),
+    }
+    if "distance" in run:
+        way = float(run["distance"][-1])
+        found["distance_travelled"] = (way, "m", "distance travelled by the leading wheelset")
     if "steady" in run.attrs:
-        facts["steady"] = ((), int(run.attrs["steady"]), steady)
-        facts["steady_change"] = ((), float(run.attrs["steady_change"]), change)
-    return facts
+        words = "1: the run had become steady, 0: not by its end"
+        found["steady"] = (int(run.attrs["steady"]), "1", words)
+        words = "relative change over the last slab length"
+        found["steady_change"] = (float(run.attrs["steady_change"]), "1", words)
+    return xr.Dataset(
+        {n: ((), value, {"units": unit, "long_name": w}) for n, (value, unit, w) in found.items()}
+    )
+
+
+def _unseen(run: xr.Dataset, choice: WindowChoice | None) -> list[str]:
+    """Return what the statistics of a run do not tell: that it is not steady, events outside."""
+    window, _ = window_of(run, choice)
+    found: list[str] = []
+    if not run.attrs.get("steady", 1):
+        found.append("not steady at the end of the run (see steady_change)")
+    events = events_outside(run, extremes(run), window)
+    if events:
+        found.append(f"outside the evaluation window ({window.text}): " + "; ".join(events))
+    return found

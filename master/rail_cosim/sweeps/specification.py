@@ -12,8 +12,9 @@ from typing import Any, cast
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.options import RunOptions
 from rail_cosim.slave import Value
-from rail_cosim.sweeps.quantities import NAMES
+from rail_cosim.sweeps.quantities import NAMES, PERIODIC, is_statistic
 from rail_cosim.toml_files import assignments, flat, located, located_settings, read_toml
+from rail_cosim.window import WindowChoice
 
 RUN_OPTIONS = (
     "line",
@@ -38,7 +39,8 @@ KEPT: Mapping[str, Sequence[str]] = {
 
 DISTANCE, UNTIL_STEADY = 500.0, 1e-3
 _OWNERS = ("track.", "vehicle.")
-_SECTIONS = ("run", "set", "grid", "points", "keep", "history")
+_SECTIONS = ("run", "set", "grid", "points", "keep", "window", "history")
+_PERCENTILES = ("p99.85", "p99.85_20_hz")  # examples of the general names
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -56,14 +58,20 @@ class SweepSpecification:
     settings
         Parameter values by full name, common to all points.
     keep
-        Statistics (:data:`rail_cosim.sweeps.quantities.NAMES`) by variable of a run's
-        Dataset, over the last slab length.
+        Statistics (:func:`rail_cosim.sweeps.quantities.is_statistic`) by variable of a run's
+        Dataset.
+    window
+        Evaluation window of the statistics: ``from`` and ``to`` (distance travelled in m, one or
+        both) or ``last_slabs``; empty: the last slab length of a run that ends when it is steady,
+        the whole run where ``until_steady`` is false.
     history
         Variables of which the records themselves are kept, each ``history_every``-th.
     folder
         From where relative paths are seen; ``None`` for the working directory.
 
-    An axis is an option of a run, or a parameter by its full name.
+    An axis is an option of a run, or a parameter by its full name. Unless ``run`` says otherwise
+    a run ends when it is steady (:data:`UNTIL_STEADY`), but not one with an ``irregularity``; and
+    after :data:`DISTANCE` m.
 
     Raises
     ------
@@ -78,6 +86,7 @@ class SweepSpecification:
     run: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
     settings: Mapping[str, Value] = dataclasses.field(default_factory=dict[str, Value])
     keep: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=lambda: dict(KEPT))
+    window: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
     history: Sequence[str] = ()
     history_every: int = 1
     folder: Path | None = None
@@ -105,14 +114,37 @@ class SweepSpecification:
         self._check_kept()
 
     def _check_kept(self) -> None:
+        choice = self.window_choice
         for variable, statistics in self.keep.items():
             for name in statistics:
-                if name not in NAMES:
+                if not is_statistic(name):
+                    known = (*NAMES, *_PERCENTILES)
                     raise UnknownNameError(
-                        f"keep.{variable}", name, NAMES, "statistic", name, listed=True
+                        f"keep.{variable}", name, known, "statistic", name, listed=True
                     )
+                if name in PERIODIC and self._whole_run(choice):
+                    limit = "is taken from whole slab lengths, not from the whole run"
+                    remedy = "choose last_slabs = 1 below [window]"
+                    raise ParameterError(f"keep.{variable}", name, limit, remedy)
         if self.history_every < 1:
             raise ParameterError("history.every", self.history_every, "must be at least 1")
+
+    def _whole_run(self, choice: WindowChoice | None) -> bool:
+        """Whether no point is evaluated over slab lengths."""
+        if choice is None:
+            return "until_steady" in self.run and not self.run["until_steady"]
+        return choice.last_slabs is None
+
+    @property
+    def window_choice(self) -> WindowChoice | None:
+        """The evaluation window; ``None`` where it follows what the run is.
+
+        Raises
+        ------
+        ParameterError
+            If it makes no sense.
+        """
+        return WindowChoice.of(self.window) if self.window else None
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -135,7 +167,7 @@ class SweepSpecification:
 
     def options(self, point: Mapping[str, Value]) -> RunOptions:
         """Return the options of the run at one point."""
-        given: dict[str, Any] = {"distance": DISTANCE, "until_steady": UNTIL_STEADY, **self.run}
+        given: dict[str, Any] = {"distance": DISTANCE, **self.run}
         settings = dict(self.settings)
         for name, value in point.items():
             (settings if name.startswith(_OWNERS) else given)[name] = value
@@ -144,8 +176,13 @@ class SweepSpecification:
             given[name] = None if value is None else located(str(value), self.folder)
         if given.get("track") is not None:
             given["track"] = (self.folder or Path()) / Path(given["track"]).expanduser()
-        given["until_steady"] = given["until_steady"] or None  # false or 0: the whole way
-        return RunOptions(**given, settings=assignments(located_settings(settings, self.folder)))
+        usual = UNTIL_STEADY if given.get("irregularity") is None else None
+        # false or 0: the whole distance
+        given["until_steady"] = given.get("until_steady", usual) or None
+        options = RunOptions(**given, settings=assignments(located_settings(settings, self.folder)))
+        if self.window_choice is not None:
+            self.window_choice.check(options.distance)
+        return options
 
 
 def _check_axis(name: str) -> None:
@@ -159,7 +196,8 @@ def read_specification(path: Path) -> SweepSpecification:
 
     ``[run]`` has options of a run, ``[set]`` fixed parameters, ``[grid]`` axes (a list, or
     ``{start = 80, stop = 400, step = 5}`` with both ends), ``[[points]]`` single points
-    instead, ``[keep]`` statistics by variable, ``[history]`` ``variables`` and ``every``.
+    instead, ``[keep]`` statistics by variable, ``[window]`` ``from``, ``to`` or ``last_slabs``,
+    ``[history]`` ``variables`` and ``every``.
     Relative paths are seen from the file.
 
     Raises
@@ -173,6 +211,7 @@ def read_specification(path: Path) -> SweepSpecification:
         "points": [dict(flat(point)) for point in content.get("points", [])],
         "run": content.get("run", {}),
         "settings": dict(flat(content.get("set", {}))),
+        "window": content.get("window", {}),
         "folder": path.absolute().parent,
     }
     if "keep" in content:

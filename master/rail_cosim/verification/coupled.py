@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rail_cosim.options import KM_H, RunOptions
+from rail_cosim.postprocessing.statistics import BAND_LIMIT, half_range_below_limit
 from rail_cosim.reporter import Reporter
 from rail_cosim.runner import execute
 from rail_cosim.studies import StudyOptions, run_study
 from rail_cosim.studies.slide import BEHIND, LEVEL
-from rail_cosim.summary import periods, spectrum, summarise
-from rail_cosim.sweeps.quantities import BAND_LIMIT, half_range_below_limit
+from rail_cosim.summary import spectrum, summarise
 from rail_cosim.verification.rows import Curve, Row, Values
+from rail_cosim.window import periods
 
 SECTION = "Coupled: FMUs through the master"
 FORCE, BOX = "normal_force", "axle_box_vertical_acceleration"
@@ -143,7 +144,7 @@ def profile_rows(reporter: Reporter) -> list[Row]:
     """Return mean force and amplitude with contact on profiles in three dimensions."""
     options = RunOptions(line="HD", speed=300.0, distance=_SETTLED, settings=[PROFILES])
     dataset = execute(options, reporter)
-    evaluated = dataset[VERTICAL].isel(time=summarise(dataset).range.rows)
+    evaluated = dataset[VERTICAL].isel(time=summarise(dataset).window.rows)
     mean = -0.5e-3 * float(evaluated.mean())
     known = next(case for case in CASES if (case.speed, case.stiffness) == (300.0, 40e6))
     found = 1e-3 * float(amplitudes(dataset, FORCE)[0].mean())
@@ -155,7 +156,7 @@ def profile_rows(reporter: Reporter) -> list[Row]:
 
 
 def _worst_mean(dataset: xr.Dataset, load: float) -> float:
-    mean = summarise(dataset).force_mean.ravel()
+    mean = summarise(dataset)["wheel_force_mean"].to_numpy().ravel()
     return float(mean[np.argmax(np.abs(mean - load))])
 
 
