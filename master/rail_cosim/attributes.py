@@ -41,6 +41,8 @@ def fmu_attributes(slave: FmuSlave) -> dict[str, Any]:
     }
 
 
+REMARKS = "remarks"
+"""Attribute with what was warned of at the start and during the run, one remark a line."""
 CHANGED = "changed_parameters"
 """Attribute with the parameters that are not as the parameter set has them, as JSON."""
 

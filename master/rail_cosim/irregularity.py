@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from rail_cosim.errors import ParameterError, UnknownNameError
+from rail_cosim.initialisation import POSITION
 from rail_cosim.parameters import number_of
 from rail_cosim.slave import Value, Variable
 
@@ -18,9 +20,11 @@ OPTION = "--irregularity"
 SPECTRUM, FILE = "irregularity.spectrum", "irregularity.file.path"
 JOINT_SIDE, JOINT_POSITION = "irregularity.rail_joint.side", "irregularity.rail_joint.position"
 JOINT_LENGTH = "irregularity.rail_joint.long_wavelength"
+_RAMP = "irregularity.ramp_length"
 SPACING = "fastener.spacing"
 RAIL_JOINT = "rail_joint"
 OFF = "none"
+_TRACK = "track.irregularity."
 LEAD = 12.0
 """A rail joint lies at mid-span of the first fastener bay that is at least so far ahead of the
 leading wheelset at the start, m: at the middle of a slab of the line HD."""
@@ -122,3 +126,30 @@ def check_joint(
             f"wheelset at the start (track.{JOINT_POSITION} = {position:.6g} m)",
             f"take at least {needed:.6g} m, and 3 m more for what follows the impact",
         )
+
+
+def irregularity_words(about: Mapping[str, Any]) -> str:
+    """Return which irregularity a run had, and over what distance it was faded in.
+
+    Parameters
+    ----------
+    about
+        Attributes of a run's Dataset; empty text if they name no irregularity.
+    """
+    given = {k.removeprefix(_TRACK): v for k, v in about.items() if k.startswith(_TRACK)}
+    origin = float(about.get(f"vehicle.{POSITION}", 0.0))
+    parts = []
+    if given.get("spectrum", OFF) != OFF:
+        parts.append(f"{given['spectrum']}, realisation {given.get('seed', '')}".strip())
+    if given.get("file.path"):
+        parts.append(Path(str(given["file.path"])).name)
+    length = float(given.get("ramp_length", 0.0))
+    if parts and length > 0.0:
+        start = float(given.get("start", 0.0)) - origin
+        ramp = f"{start:g} to {start + length:g} m"
+        parts.append(f"faded in from {ramp} distance travelled (track.{_RAMP})")
+    for group, meaning in (("rail_joint", "rail joint"), ("cosine", "cosine")):
+        if given.get(f"{group}.side", OFF) != OFF:
+            position = float(given.get(f"{group}.position", math.nan)) - origin
+            parts.append(f"{meaning} at {position:.6g} m distance travelled")
+    return "; ".join(parts)

@@ -19,6 +19,7 @@ from rail_cosim.animation import (
     write_animation,
 )
 from rail_cosim.attributes import (
+    REMARKS,
     changed_attribute,
     ended_by,
     fmu_attributes,
@@ -316,9 +317,9 @@ def simulate(
             input_times=algorithm.input_times([slave.name for slave in slaves]),
             stop_time=planned_time(options, parameters, descriptions["vehicle"]),
         )
+        remarks += _warnings(slaves)
         for remark in remarks:
             reporter.notice(remark)
-        _pass_on_warnings(slaves, reporter)
         speed = running_speed(system)
         session = Session(options, system, {slave.name: slave for slave in slaves}, begun)
         simulation = Simulation(
@@ -345,11 +346,13 @@ def simulate(
         fixed = {k: v for slave in slaves for k, v in parameter_attributes(slave).items()}
         reporter.stage("stepping")
         outcome = simulation.run(steps, note=note, progress=reporter.progress, watch=session)
-        _pass_on_warnings(slaves, reporter)
+        for remark in (later := _warnings(slaves)):
+            reporter.notice(remark)
         about = {
             **run_attributes(outcome, algorithm, options.command),
             "line": options.line or "",
             "speed_km_h": speed / KM_H,
+            REMARKS: "\n".join([*remarks, *later]),
             **({} if ramp is None else {"final_speed_km_h": options.final_speed}),
             **{k: v for slave in slaves for k, v in fmu_attributes(slave).items()},
             **fixed,
@@ -397,7 +400,6 @@ def _step_size(options: RunOptions, system: SystemStructure, speed: float) -> fl
     return fitted_step(pitch, speed, options.macro_step, options.record_every)
 
 
-def _pass_on_warnings(slaves: Sequence[Slave], reporter: Reporter) -> None:
-    for slave in slaves:
-        for text in slave.take_warnings():
-            reporter.notice(f"{slave.name}: {text}")
+def _warnings(slaves: Sequence[Slave]) -> list[str]:
+    """Return what the FMUs have warned of since they were asked last."""
+    return [f"{slave.name}: {text}" for slave in slaves for text in slave.take_warnings()]

@@ -15,6 +15,7 @@ from rich.text import Text
 
 from rail_cosim.bench import Benchmark
 from rail_cosim.events import wheel_name
+from rail_cosim.irregularity import irregularity_words
 from rail_cosim.summary import Summary
 from rail_cosim.sweeps.quantities import WINDOW
 
@@ -152,6 +153,8 @@ def summary_table(summary: Summary, dataset: xr.Dataset) -> Group:
     """
     about = dataset.attrs
     facts = _facts()
+    if words := irregularity_words(about):
+        facts.add_row("irregularity", words)
     simulated, wall = about["simulated_seconds"], about["wall_clock_seconds"]
     facts.add_row(
         "real-time factor",

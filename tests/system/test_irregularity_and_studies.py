@@ -54,6 +54,19 @@ def test_wheels_set_apart_are_warned_of(fmus, tmp_path):
     assert "wheel_radius" not in done.err
     done = run(fmus, tmp_path, *short, *radius, "--set", "track.contact.wheel_radius=0.46")
     assert "warning: track.contact.wheel_radius = 0.46 m" in done.err
+    assert "track.contact.wheel_radius = 0.46 m" in done.data.attrs["remarks"]
+
+
+def test_a_start_on_a_file_is_at_rest_and_told(fmus, tmp_path):
+    """Both rails are 2 mm lower from the start on, 20 m before the file, and stay so."""
+    path = tmp_path / "low.csv"
+    path.write_text("distance,level\n-60,2e-3\n60,2e-3\n")
+    start = ["--distance", 0.5, "--macro-step", 5e-4, *SETTINGS]
+    full = [*start, "--irregularity", path, "--set", "track.irregularity.ramp_length=0"]
+    done, smooth = run(fmus, tmp_path, *full), run(fmus, tmp_path, *start)
+    assert "The run starts on the irregularity: up to 2 mm under the wheels" in done.err
+    assert "starts on the irregularity" in done.data.attrs["remarks"]
+    assert done["normal_force"] == pytest.approx(smooth["normal_force"], abs=1.0)
 
 
 @pytest.mark.slow

@@ -6,7 +6,11 @@ from master_mocks import variable
 from rail_cosim.description import FmuDescription
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.initialisation import initialise
-from rail_cosim.irregularity import irregularity_parameters, joint_position
+from rail_cosim.irregularity import (
+    irregularity_parameters,
+    irregularity_words,
+    joint_position,
+)
 from rail_cosim.options import RunOptions
 from rail_cosim.runner import gather_parameters
 from rail_cosim.system import SystemStructure
@@ -78,6 +82,27 @@ def test_an_unknown_name_is_refused_with_the_nearest_and_all_names():
     assert caught.value.exit_status == 2
     with pytest.raises(UnknownNameError, match="there are none, german_low, german_high"):
         given("swell")
+
+
+def test_a_runs_irregularity_is_said_with_its_fade_in_by_distance_travelled():
+    about = {
+        "vehicle.initial_position": 5.0,
+        "track.irregularity.spectrum": "none",
+        "track.irregularity.seed": 1,
+        "track.irregularity.file.path": "/far/away/line.csv",
+        "track.irregularity.start": 10.0,
+        "track.irregularity.ramp_length": 20.0,
+        "track.irregularity.rail_joint.side": "none",
+        "track.irregularity.rail_joint.position": 12.58,
+    }
+    file = "line.csv; faded in from 5 to 25 m distance travelled (track.irregularity.ramp_length)"
+    assert irregularity_words(about) == file
+    full = about | {"track.irregularity.ramp_length": 0.0, "track.irregularity.spectrum": "german"}
+    assert irregularity_words(full) == "german, realisation 1; line.csv"
+    joint = about | {"track.irregularity.rail_joint.side": "both"}
+    assert irregularity_words(joint) == f"{file}; rail joint at 7.58 m distance travelled"
+    assert irregularity_words({}) == ""
+    assert irregularity_words(about | {"track.irregularity.file.path": ""}) == ""
 
 
 def test_a_track_without_irregularities_is_told(tmp_path):
