@@ -28,7 +28,12 @@ def main(distance: float) -> None:
     path = Path("my_line.csv")
     write_dip(path, 0.5 * distance, distance)
     for name, line in (("smooth", None), (str(path), path)):
-        run = rail_cosim.run(speed=300, distance=distance, irregularity=line)
+        run = rail_cosim.run(
+            speed=300,
+            distance=distance,
+            irregularity=line,
+            settings={"track.irregularity.ramp_length": 0.0},  # the file begins with smooth track
+        )
         force = run.normal_force.isel(wheelset=0)
         way = run.distance - run.distance[0]
         peak = force.mean("side").argmax("time")
