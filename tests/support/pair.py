@@ -5,10 +5,11 @@ end is iterated until it no longer changes: one implicit integration of all equa
 """
 
 import dataclasses
+import itertools
 
 import numpy as np
 from rail_vehicle import VehicleModel
-from rail_vehicle.coupling import ForceHistory
+from rail_vehicle.coupling import ForceHistory, ForceMemory
 from slab_track import TrackModel
 
 
@@ -133,25 +134,25 @@ def run_monolithic(track: TrackModel, vehicle, *, distance: float, speed: float,
 
 
 def run_staggered(
-    track: TrackModel, vehicle, *, distance: float, speed: float, step: float, jacobi: bool = False
+    track: TrackModel, vehicle, *, distance: float, speed: float, step, jacobi: bool = False
 ):
-    """Run as the master does: Gauss-Seidel with the track first, or Jacobi."""
+    """Run as the master does: Gauss-Seidel with the track first, or Jacobi.
+
+    ``step``, s, or several that follow one another in turn.
+    """
+    steps = itertools.cycle(np.atleast_1d(step).tolist())
     count = track.parameters.wheelset_count
     track_state, state = _begin(track, vehicle)
     motion, forces = vehicle.motion(state), track.outputs(track_state).contact
-    history, last = ForceHistory.begin(forces), 0.0
+    memory, last, time = ForceMemory(ForceHistory.begin(forces)), 0.0, 0.0
     rows: list = []
-    for n in range(1, round(distance / speed / step) + 1):
+    while time < distance / speed * (1.0 - 1e-9):
+        step = next(steps)
         track_state, answer = track.step(track_state, motion, step)
-        if jacobi:
-            history = history.append(forces, last)
-            polynomial = history.extrapolate(step, 2)
-        else:
-            history = history.append(answer.contact, step)
-            polynomial = history.interpolate(2)
-        state, outputs = vehicle.step(
-            state, polynomial.start, polynomial.end, step, None, polynomial.bow
-        )
-        motion, forces, last = vehicle.motion(state), answer.contact, step
-        _record(rows, n * step, motion, track_state, _acceleration(vehicle, outputs, count))
+        given, elapsed = (forces, last) if jacobi else (answer.contact, step)
+        curve = memory.take(given.ravel(), elapsed, step, 2, at_end=not jacobi)
+        start, end, bow = curve.reshape(3, -1, 6)
+        state, outputs = vehicle.step(state, start, end, step, None, bow)
+        motion, forces, last, time = vehicle.motion(state), answer.contact, step, time + step
+        _record(rows, time, motion, track_state, _acceleration(vehicle, outputs, count))
     return History(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from rail_vehicle import ForceHistory
+from rail_vehicle.coupling import ForceMemory
 
 RNG = np.random.default_rng(11)
 COEFFICIENTS = RNG.normal(size=(3, 4, 6))
@@ -77,3 +78,23 @@ def test_a_history_of_one_wheelset():
     curve = made.extrapolate(1e-4, 1)
     assert curve.end.shape == (1, 6)
     assert curve.end == pytest.approx(np.full((1, 6), 5.0))
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+def test_a_value_near_the_start_of_a_long_step_is_left_out(at_end):
+    """Steps of 0.1 ms, then one of 1 ms: an error of the near value would be magnified."""
+    step, times = 1e-3, [0.0, 1e-4, 2e-4, 3e-4]
+    curves = []
+    for error in (0.0, 1.0):
+        memory = ForceMemory(ForceHistory.begin(polynomial(times[0], 2)))
+        for n in (1, 2):
+            memory.append(polynomial(times[n], 2).ravel() + error * (n == 2 - at_end), 1e-4)
+        newest, elapsed = (times[2] + step, step) if at_end else (times[3], 1e-4)
+        curve = memory.take(polynomial(newest, 2).ravel(), elapsed, step, 2, at_end=at_end)
+        curves.append(curve.copy())
+    assert np.array_equal(*curves)
+    start = times[2] if at_end else times[3]
+    expected = polynomial(start, 2).ravel(), polynomial(start + step, 2).ravel()
+    assert curves[0][0] == pytest.approx(expected[0])
+    if at_end:
+        assert curves[0][1] == pytest.approx(expected[1])

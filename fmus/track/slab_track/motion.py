@@ -26,21 +26,26 @@ DEEPEST = 0.3
 """Lowest place of a wheelset, m; rails and irregularities take it to 0.1 m at most."""
 
 
+LEAST_SPAN = 0.5
+"""Shortest time between two points that are extrapolated from, in parts of the step ahead: errors
+of the values grow with the third power of its inverse."""
+
+
 @kernel
-def push(motion, is_new, now, before, rates_seen):
+def push(motion, keeps, now, before, rates_seen):
     """Take in a communication point; False if a number of it is not finite.
 
-    ``motion`` (wheelsets, 11) replaces the last point ``now``, which becomes the one ``before``
-    it if the new one ``is_new``, not the same instant once more. ``rates_seen`` (5,) says which
-    channels had a velocity different from zero at any time (1) or never (0): where a partner leaves
-    velocities unconnected, positions alone are used.
+    ``motion`` (wheelsets, 11) replaces the last point ``now``, which becomes the one ``before`` it
+    if it ``keeps``: not if the new one is the same instant once more, or too near. ``rates_seen``
+    (5,) says which channels had a velocity different from zero at any time (1) or never (0): where
+    a partner leaves velocities unconnected, positions alone are used.
     """
     finite = True
     for wheelset in range(motion.shape[0]):
         for column in range(11):
             value = motion[wheelset, column]
             finite &= math.isfinite(value)
-            if is_new:
+            if keeps:
                 before[wheelset, column] = now[wheelset, column]
             now[wheelset, column] = value
         for channel in range(5):

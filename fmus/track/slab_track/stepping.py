@@ -20,7 +20,7 @@ from slab_track.interaction import (
 )
 from slab_track.irregularity.kernels import IrregularityData, evaluate_into
 from slab_track.lateral_step import LateralConstants, close_rail, free_rail
-from slab_track.motion import extrapolate, is_too_deep, jumps, push, reach
+from slab_track.motion import LEAST_SPAN, extrapolate, is_too_deep, jumps, push, reach
 from slab_track.oscillators import copy
 from slab_track.room import Room
 from slab_track.state import (
@@ -203,11 +203,17 @@ def _take_motion(op, old, new, motion, time):
     end = starts[FASTENER_FORCE]
     copy(old[:end], new[:end])
     is_new = time != old[POINT_TIME]
-    if is_new:
-        new[PREVIOUS_TIME], new[POINT_TIME] = old[POINT_TIME], time
+    # After a short step before a long one the point before the last is the better one; without
+    # it (not a number) there is no choice.
+    ahead = old[TIME] + op.settings.step * op.scratch.path.shape[0] - time
+    is_near = time - old[POINT_TIME] < LEAST_SPAN * ahead and not math.isnan(old[PREVIOUS_TIME])
+    keeps = is_new and not is_near
+    if keeps:
+        new[PREVIOUS_TIME] = old[POINT_TIME]
+    new[POINT_TIME] = time
     if not push(
         motion,
-        is_new,
+        keeps,
         shaped(new, starts[MOTION_NOW], (count, 11)),
         shaped(new, starts[MOTION_BEFORE], (count, 11)),
         part(new, starts, RATES_SEEN),

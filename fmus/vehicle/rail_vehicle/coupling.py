@@ -136,6 +136,10 @@ class ForceMemory:
         return self._curve
 
 
+LEAST_SPAN = 0.5
+"""Shortest time from the start of a step back to a value that its polynomial uses, in parts of the
+step, as long as there are earlier ones."""
+
 # The memory as one vector: how many values it holds, their ages, the values.
 _AGES, _FORCES = 1, 4
 
@@ -150,8 +154,25 @@ def _take(
     at_end: bool,
     curve: Array,
 ) -> None:
+    # The value before the start of the step is left out where it is near and there is another:
+    # the parabola would magnify its error with the ratio of the times.
+    before = 1 if at_end else 0
+    distance = memory[_AGES + 1] if at_end else elapsed
+    if 0.0 < distance < LEAST_SPAN * step and memory[0] > before + 1.0:
+        _forget(memory, newest.size, before)
     _append(memory, newest, elapsed)
     _over_step(memory, step, order, at_end, curve)
+
+
+@entry
+def _forget(memory: Array, width: int, value: int) -> None:
+    """Forget a value, 0 for the newest; those before it stay."""
+    memory[0] -= 1.0
+    for later in range(value, 2):
+        memory[_AGES + later] = memory[_AGES + later + 1]
+        for column in range(width):
+            place = _FORCES + width * later + column
+            memory[place] = memory[place + width]
 
 
 @entry
