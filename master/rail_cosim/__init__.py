@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from rail_cosim.builder import build as build
     from rail_cosim.case import read_case as read_case
     from rail_cosim.reporting import report as report
+    from rail_cosim.run_result import RunResult as RunResult
+    from rail_cosim.run_result import open_result as open_result
     from rail_cosim.runner import run as run
     from rail_cosim.studies import study as study
     from rail_cosim.summary import summarise as summarise
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
     from rail_cosim.verification import verify as verify
 
 __all__ = [
+    "RunResult",
     "build",
+    "open_result",
     "plot_sweep",
     "read_case",
     "report",
@@ -34,7 +38,9 @@ __all__ = [
 ]
 
 _HOME = {
+    "RunResult": "rail_cosim.run_result",
     "build": "rail_cosim.builder",
+    "open_result": "rail_cosim.run_result",
     "plot_sweep": "rail_cosim.sweeps",
     "read_case": "rail_cosim.case",
     "report": "rail_cosim.reporting",

@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rail_cosim.errors import ParameterError
+from rail_cosim.presentation import COLOURS
+from rail_cosim.reporting.charts import envelope
 from rail_cosim.summary import Summary, spectrum
-from rail_cosim.window import distances, last_records
+from rail_cosim.window import distances
 
-# Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 _WIDTH, _HEIGHT, _DPI = 8.4, 8.4, 200
 FORMATS = (".png", ".pdf", ".svg")
 _HIGHEST = 500.0
+_POINTS = 20_000  # of a line at most
+_PART = 65_536  # records in memory at a time
 _BOX = "axle_box_vertical_acceleration"
 
 
@@ -35,9 +38,9 @@ def check_format(path: Path) -> None:
 
 
 def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
-    """Draw a run to a file: the whole way, the last few metres, the spectrum.
+    """Draw a run to a file: the whole distance, the last few metres, the spectrum.
 
-    Of a long run only what its figures are made of (:func:`rail_cosim.window.last_records`).
+    Long histories are drawn as their envelope, so that every peak is seen.
 
     Parameters
     ----------
@@ -46,10 +49,10 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
     summary
         Its figures: the evaluation window is shaded.
     path
-        The picture; its ending says the format (png, pdf, svg).
+        The plot; its ending says the format (png, pdf, svg).
     """
     check_format(path)
-    part, dataset = dataset.isel(time=summary.window.rows), last_records(dataset)
+    part = dataset.isel(time=summary.window.rows)
     figure = Figure(figsize=(_WIDTH, _HEIGHT), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplot_mosaic(
@@ -62,9 +65,9 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
     ):
         whole, end = axes[key], axes[f"{key}_end"]
         whole.axvspan(summary.window.start, summary.window.stop, color="0.94", lw=0, zorder=0)
-        for ax in (whole, end):
-            _over_distance(ax, dataset, name, factor)
-        end.set_xlim(*_end(dataset, summary))
+        _over_distance(whole, dataset, name, factor)
+        _over_distance(end, part, name, factor)
+        end.set_xlim(*_end(summary))
         end.sharey(whole)
         end.tick_params(labelleft=False)
         whole.set_ylabel(label)
@@ -72,13 +75,13 @@ def plot_run(dataset: xr.Dataset, summary: Summary, path: Path) -> None:
     last = f"last {summary.window.of} length" if summary.window.periods else "end"
     axes["force_end"].set_title(last, loc="left", fontsize="medium")
     for key in ("box", "box_end"):
-        axes[key].set_xlabel("distance of the leading wheelset (m)" if key == "box" else "(m)")
+        axes[key].set_xlabel("distance travelled (m)" if key == "box" else "(m)")
     _spectrum(axes["spectrum"], part, summary)
     _legend(figure, axes["force"])
     figure.savefig(path, dpi=_DPI)
 
 
-def _end(dataset: xr.Dataset, summary: Summary) -> tuple[float, float]:
+def _end(summary: Summary) -> tuple[float, float]:
     """Return the last whole period of the evaluation window, or its last tenth."""
     start, stop = summary.window.start, summary.window.stop
     return stop - (stop - start) / (summary.window.periods or 10), stop
@@ -97,19 +100,25 @@ def _title(dataset: xr.Dataset) -> str:
 
 
 def _over_distance(axes: Axes, dataset: xr.Dataset, name: str, factor: float) -> None:
-    way = distances(dataset)
     if name in dataset:
-        values = dataset[name].isel(side=0)
-        for i in range(values.sizes["wheelset"]):
-            axes.plot(
-                way,
-                values.isel(wheelset=i) * factor,
-                color=_COLOURS[i % len(_COLOURS)],
-                lw=0.8,
-                label=f"wheelset {i + 1}",
-            )
-    axes.set_xlim(way[0], way[-1])
+        for i in range(dataset.sizes["wheelset"]):
+            distance, values = _envelope(dataset, dataset[name].isel(side=0, wheelset=i))
+            colour = COLOURS[i % len(COLOURS)]
+            axes.plot(distance, values * factor, color=colour, lw=0.8, label=f"wheelset {i + 1}")
+    axes.set_xlim(*distances(dataset.isel(time=[0, -1])))
     axes.grid(visible=True, lw=0.3, color="0.8")
+
+
+def _envelope(dataset: xr.Dataset, array: xr.DataArray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a history thinned to its extremes, read part by part."""
+    count = array.sizes["time"]
+    points = max(4, round(_POINTS * min(1.0, _PART / count)))
+    parts: list[tuple[np.ndarray, np.ndarray]] = []
+    for start in range(0, count, _PART):
+        rows = slice(start, start + _PART)
+        values = array.isel(time=rows).to_numpy()
+        parts.append(envelope(distances(dataset.isel(time=rows)), values, points))
+    return np.concatenate([x for x, _ in parts]), np.concatenate([y for _, y in parts])
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
@@ -130,7 +139,7 @@ def _spectrum(axes: Axes, part: xr.Dataset, summary: Summary) -> None:
     if _BOX in part:
         frequencies, lines = spectrum(part["time"].to_numpy(), part[_BOX].isel(side=0).to_numpy())
         for i in range(lines.shape[1]):
-            axes.plot(frequencies, lines[:, i], color=_COLOURS[i % len(_COLOURS)], lw=0.9)
+            axes.plot(frequencies, lines[:, i], color=COLOURS[i % len(COLOURS)], lw=0.9)
         axes.set_xlim(0.0, min(_HIGHEST, float(frequencies[-1])))
     axes.set_ylim(bottom=0.0)
     marks = (

@@ -43,6 +43,7 @@ from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorder import Recorder
 from rail_cosim.reporter import Quiet, Reporter
 from rail_cosim.results import check_netcdf, check_writable
+from rail_cosim.run_result import RunResult
 from rail_cosim.session import Session, begun_run
 from rail_cosim.simulation import Outcome, Simulation
 from rail_cosim.slave import Slave, Value
@@ -79,7 +80,7 @@ def run(
     resume: bool = False,
     checkpoint_interval: float = INTERVAL,
     reporter: Reporter | None = None,
-) -> xr.Dataset:
+) -> RunResult:
     """Run vehicle and track and return what was recorded; mirrors ``rail-cosim run``.
 
     Parameters
@@ -133,9 +134,10 @@ def run(
 
     Returns
     -------
-    xarray.Dataset
-        Outputs of both FMUs over ``time`` (s), by ``wheelset``, ``side`` and ``bogie``, with
-        ``units`` and ``long_name``; parameters, versions and quality of the run are attributes.
+    RunResult
+        A Dataset that can plot itself: outputs of both FMUs over ``time`` (s), by ``wheelset``,
+        ``side`` and ``bogie``, with ``units`` and ``long_name``; parameters, versions and coupling
+        residuals are attributes.
 
     Raises
     ------
@@ -172,7 +174,7 @@ def run(
     return execute(options, reporter or Quiet())
 
 
-def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
+def execute(options: RunOptions, reporter: Reporter) -> RunResult:
     """Run with checked options (see :func:`run`)."""
     if options.out:
         check_netcdf(options.out)
@@ -203,7 +205,8 @@ def execute(options: RunOptions, reporter: Reporter) -> xr.Dataset:
         film = Film(options.slow_motion)
         if PROFILES_WANTED in descriptions["track"].variables:
             parameters["track"][PROFILES_WANTED] = True
-    dataset, outcome = simulate(options, descriptions, parameters, reporter, changed, film)
+    recorded, outcome = simulate(options, descriptions, parameters, reporter, changed, film)
+    dataset = RunResult.of(recorded)
     if film is not None and options.animate:
         write_animation(film, options.animate, reporter, exaggeration=options.exaggeration)
     if options.plot and dataset.sizes["time"] > 1:

@@ -6,7 +6,7 @@ import rail_cosim
 from rail_cosim.reporting import page
 from synthetic import whole_run
 
-CHARTS = 21
+CHARTS = 23
 _AXIS = "return document.querySelectorAll('.chart')[{}].layout.{}.range"
 
 

@@ -21,7 +21,14 @@ ROOT = Path(__file__).parents[2]
 # A DataArray carries its unit with it, in the attribute units.
 _NUMBERS = ("float", "ndarray", "NDArray", "Array")
 # What it is their type tells: a data set of a run, parameters, a state.
-_TELLING = ("Dataset", "TrackParameters", "TrackState", "VehicleParameters", "VehicleState")
+_TELLING = (
+    "Dataset",
+    "HistoryOptions",
+    "TrackParameters",
+    "TrackState",
+    "VehicleParameters",
+    "VehicleState",
+)
 _ARRAYS = ("ndarray", "NDArray", "Array")
 _UNIT = re.compile(
     r"(?<![\w.])(m|mm|s|N|kg|Hz|rad|Pa|J|km/h|m/s2?|m/N|N/m|N\.m|m2|m3|1/m|dB|rad/s|N\.s/m|1|°|%|[Ss]econds)(?![\w/])"

@@ -1,7 +1,5 @@
 """The page of a run: what is on it, what is said of what is missing, and what is refused."""
 
-import base64
-import json
 import re
 
 import numpy as np
@@ -9,6 +7,7 @@ import plotly.graph_objects as go
 import pytest
 import rail_cosim
 import xarray as xr
+from charts import charts_of, values
 from rail_cosim.errors import ResultsError
 from rail_cosim.reporting import ReportError, _sections, execute_report, page, reading
 from rail_cosim.reporting.charts import POINTS, envelope, packed
@@ -17,16 +16,17 @@ from rail_cosim.reporting.sections import Figure, Table
 from synthetic import LOAD, whole_run
 
 TITLES = [
-    "What was run",
+    "Summary",
+    "Simulation settings",
     "Parameters that differ from the parameter set",
-    "Statistics",
+    "Statistics of the evaluation window",
     "Ride comfort",
     "Wheel forces",
     "Accelerations",
     "Spectra",
     "Third-octave levels",
     "Spectrogram",
-    "Quality of the co-simulation",
+    "Coupling residuals",
     "All parameters",
 ]
 
@@ -47,16 +47,6 @@ def whole_page(whole):
     return page(whole)
 
 
-def charts_of(text):
-    """Return the charts on a page."""
-    found = re.findall(r'<script type="application/json">(.*?)</script>', text, flags=re.DOTALL)
-    return [json.loads(one) for one in found]
-
-
-def values(packed_values):
-    return np.frombuffer(base64.b64decode(packed_values["bdata"]), "<f4")
-
-
 def test_all_sections_are_there_and_nothing_is_missing(whole):
     sections = _sections(whole)
     assert [section.title for section in sections] == TITLES
@@ -65,7 +55,7 @@ def test_all_sections_are_there_and_nothing_is_missing(whole):
 
 def test_every_chart_is_one_that_plotly_knows(whole_page):
     charts = charts_of(whole_page)
-    assert len(charts) == 21
+    assert len(charts) == 23
     for chart in charts:
         go.Figure(chart)
         assert chart["layout"]["xaxis"]["title"]["text"]
@@ -80,7 +70,8 @@ def test_forces_on_the_page_are_those_of_the_run(whole, whole_page):
     (force,) = [
         c
         for c in charts
-        if c["layout"]["yaxis"]["title"]["text"] == "wheel force Q (kN)" and c["layout"]["shapes"]
+        if c["layout"]["yaxis"]["title"]["text"] == "vertical wheel force Q (kN)"
+        and c["layout"]["shapes"]
     ]
     assert [t["name"] for t in force["data"]][:2] == ["wheelset 1 left", "wheelset 1 right"]
     drawn = values(force["data"][0]["y"])
@@ -108,6 +99,51 @@ def test_statistics_on_the_page(whole):
     assert float(passing.rows[0][4]) == pytest.approx(0.5, rel=0.02)
 
 
+def test_an_event_before_the_window_is_in_the_summary_and_drawn_with_its_peak():
+    """One record of 222 kN and 165 m/s2 and 5 without contact, at 12.51 m of 600."""
+    run = whole_run(600.0)
+    row = int(np.searchsorted(run["distance"], 12.5))
+    run["normal_force"][row, 1, 0] = run["vertical_wheel_force"][row, 1, 0] = 222.417e3
+    run["normal_force"][row - 7 : row - 2, 1, 0] = 0.0
+    run["axle_box_vertical_acceleration"][row, 0, 1] = -165.244
+    (summary,) = [s for s in _sections(run) if s.title == "Summary"]
+    (table,) = summary.parts
+    assert table.rows[2][:3] == ["wheelset 2 left", "222.4", "12.51"]
+    assert table.rows[2][7:] == ["1", "1", "1"]
+    assert table.rows[1][5:7] == ["165.2", "12.51"]
+    assert "largest wheel force 222.417 kN at 12.51 m" in summary.remarks[1]
+    shown = {}
+    for chart in charts_of(page(run)):
+        title = chart["layout"]["yaxis"]["title"]["text"]
+        peaks = [np.nanmax(np.abs(values(t["y"]))) for t in chart["data"] if "y" in t]
+        shown.setdefault(title, []).append(max(peaks))
+    # Over the whole run, and around the largest value.
+    assert shown["vertical wheel force Q (kN)"][:2] == pytest.approx([222.417] * 2, rel=1e-6)
+    assert shown["axle-box acceleration (m/s²)"][:2] == pytest.approx([165.244] * 2, rel=1e-6)
+
+
+def test_round_off_is_shown_as_zero():
+    """On symmetric track Y of both wheels cancels but for the last digits."""
+    run = whole_run()
+    noise = 1e-11 * np.sin(np.arange(run.sizes["time"]))
+    run["guiding_force"][:, :, 1] = -run["guiding_force"][:, :, 0] + noise[:, None]
+    run["bogie_lateral_acceleration"] = run["bogie_lateral_acceleration"] * 1e-14
+    sections = {section.title: section for section in _sections(run)}
+    charts = [p for s in sections.values() for p in s.parts if isinstance(p, Figure) and p.chart]
+    for words in ("Track shifting force (sum of Y)", "Bogie acceleration, lateral"):
+        (figure,) = [one for one in charts if one.title == words]
+        assert all((values(trace["y"]) == 0.0).all() for trace in figure.chart["data"])
+    tables = sections["Statistics of the evaluation window"].parts
+    (table,) = [t for t in tables if t.caption.startswith("Track shifting force")]
+    assert [row[1:] for row in table.rows] == [["0", "0"]] * 4
+    for figure in charts:
+        assert figure.chart["layout"]["yaxis"]["exponentformat"] == "power"  # no 1.5p
+    run["guiding_force"][:, :, 1] += 0.01  # N: small, but there
+    (section,) = [s for s in _sections(run) if s.title.startswith("Statistics")]
+    (table,) = [t for t in section.parts if t.caption.startswith("Track shifting force")]
+    assert [float(row[2]) for row in table.rows] == pytest.approx([1e-5] * 4, rel=1e-6)
+
+
 def test_comfort_is_that_after_the_transient_of_the_start():
     steady = whole_run(1600.0, 1000.0)
     starting = steady.copy(deep=True)
@@ -125,13 +161,13 @@ def test_comfort_is_that_after_the_transient_of_the_start():
 
 
 def test_changed_parameters(whole):
-    table = _sections(whole)[1].parts[0]
+    table = _sections(whole)[2].parts[0]
     assert table.rows == [["vehicle.speed", "80", "83.3"]]
-    nothing = _sections(whole_run(changed_parameters="{}"))[1]
+    nothing = _sections(whole_run(changed_parameters="{}"))[2]
     assert nothing.parts[0].heads == ["none"]
     older = whole.copy()
     older.attrs = {k: v for k, v in whole.attrs.items() if k != "changed_parameters"}
-    assert "changed_parameters" in _sections(older)[1].missing[0]
+    assert "changed_parameters" in _sections(older)[2].missing[0]
 
 
 def test_the_page_needs_nothing_from_elsewhere(whole_page):
@@ -148,7 +184,7 @@ def test_names_cannot_break_out_of_the_page():
     assert hostile not in text
     assert "&lt;/script&gt;&lt;script&gt;alert(1)" in text
     data = whole_run().rename(bogie_vertical_acceleration="other")
-    assert len(charts_of(page(data))) == 19  # no chart was cut in two
+    assert len(charts_of(page(data))) == 21  # no chart was cut in two
 
 
 @pytest.mark.parametrize(
@@ -180,7 +216,7 @@ def test_what_is_missing_is_said(whole):
     bare.attrs = {}
     text = page(bare)
     assert text.count("Not shown:") > 20
-    assert "wheelset_longitudinal_position: the picture cannot be drawn without it" in text
+    assert "wheelset_longitudinal_position: no schematic can be drawn without it" in text
 
 
 def test_one_wheelset_without_bogies(whole):
@@ -207,7 +243,7 @@ def test_an_incomplete_run_says_so(whole_page):
 
 @pytest.mark.parametrize("records", [8, 20, 100, 700])
 def test_short_runs(whole, records):
-    assert "<h2>Statistics</h2>" in page(whole.isel(time=slice(records)))
+    assert "<h2>Statistics of the evaluation window</h2>" in page(whole.isel(time=slice(records)))
 
 
 def test_a_long_run_is_not_a_large_page():
@@ -239,7 +275,7 @@ def test_numbers_travel_exactly_in_32_bits():
     np.testing.assert_array_equal(values(sent).reshape(2, 3), array.astype("f4"))
 
 
-def test_picture_is_to_scale(whole):
+def test_schematic_is_to_scale(whole):
     svg = drawing(geometry(whole))
     circles = [float(x) for x in re.findall(r'<circle cx="([\d.]+)"', svg)]
     scale = 1000.0 / (16 * 5.032)
@@ -251,16 +287,16 @@ def test_picture_is_to_scale(whole):
 def test_files_that_are_no_runs_are_refused(tmp_path):
     def refused(name, match):
         with pytest.raises(ReportError, match=match) as caught:
-            execute_report(tmp_path / name, None, "")
+            execute_report([tmp_path / name], None, "")
         assert caught.value.exit_status == 2
         assert "\n" not in str(caught.value)
 
     refused("none.nc", "there is no such file")
     refused("", "it is a directory")
     (tmp_path / "text.nc").write_text("no NetCDF")
-    refused("text.nc", "is no NetCDF file that can be read")
+    refused("text.nc", "is not a NetCDF file that can be read")
     (tmp_path / "empty.nc").touch()
-    refused("empty.nc", "is no NetCDF file that can be read")
+    refused("empty.nc", "is not a NetCDF file that can be read")
     sweep = xr.Dataset({"error": ("speed", ["", "x"]), "normal_force_max": ("speed", [1.0, 2.0])})
     sweep.to_netcdf(tmp_path / "sweep.nc", engine="h5netcdf")
     refused("sweep.nc", "result of a sweep, not of a run")
@@ -275,7 +311,7 @@ def test_a_very_long_run_is_reported_in_parts(monkeypatch, tmp_path, whole):
     monkeypatch.setattr(reading, "MOST_RECORDS", 3000)
     whole.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
     with pytest.raises(ReportError, match=r"3750 records, more than 3000.*isel\(time"):
-        execute_report(tmp_path / "run.nc", None, "")
+        execute_report([tmp_path / "run.nc"], None, "")
     rail_cosim.report(whole.isel(time=slice(2000, None)), tmp_path / "part.html")
 
 
@@ -289,11 +325,11 @@ def test_a_file_gives_the_same_page_as_the_data_set(tmp_path, whole, whole_page)
 
 def test_page_beside_the_run_and_through_python(tmp_path, whole):
     whole.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
-    written = execute_report(tmp_path / "run.nc", None, "rail-cosim report run.nc")
+    written = execute_report([tmp_path / "run.nc"], None, "rail-cosim report run.nc")
     assert written == tmp_path / "run.html"
     assert "rail-cosim report run.nc; rail-cosim" in written.read_text()
     with pytest.raises(ResultsError, match="is the run itself"):
-        execute_report(tmp_path / "run.nc", tmp_path / "run.nc", "")
+        execute_report([tmp_path / "run.nc"], tmp_path / "run.nc", "")
     made = rail_cosim.report(whole, tmp_path / "new" / "page.html")
     assert made.stat().st_size > 5e6
     with pytest.raises(ResultsError, match="cannot be written"):

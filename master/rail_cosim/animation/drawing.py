@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from rail_cosim.animation.film import Film, Scene
+from rail_cosim.presentation import COLOURS
 
 Array = NDArray[np.float64]
-# Colours that stay apart for the colour-blind (Okabe and Ito).
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7")
 _SIZE = (12.0, 6.0)
 _RAIL, _FASTENER, _SLAB = 0.18, 0.16, 0.35  # heights in the picture, m
 _HEIGHTS = {"bogie": 0.65, "car": 1.5}  # of the lower edges above the rail, m
@@ -260,7 +259,7 @@ class Stage:
         margin = 0.05 * (high - low) + 1e-3
         axes.set_ylim(low - margin, high + margin)
         for i in range(force.shape[2]):
-            self._lines += _line(axes, _COLOURS[i % len(_COLOURS)], f"wheelset {i + 1}, left")
+            self._lines += _line(axes, COLOURS[i % len(COLOURS)], f"wheelset {i + 1}, left")
         place = {"loc": "lower left", "bbox_to_anchor": (0.0, 0.95)}
         axes.legend(**place, ncols=4, fontsize="x-small", frameon=False)
 

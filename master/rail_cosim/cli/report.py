@@ -1,4 +1,4 @@
-"""``rail-cosim report``: a page to look at a run."""
+"""``rail-cosim report``: an HTML report of a run, or a comparison of several."""
 
 from __future__ import annotations
 
@@ -14,23 +14,37 @@ from rail_cosim.cli.application import app, examples, plain_errors, say, typed_c
     epilog=examples(
         "rail-cosim run --distance 200 --irregularity german_low --out run.nc",
         "rail-cosim report run.nc --out report.html",
+        "rail-cosim report soft.nc stiff.nc --out comparison.html",
     )
 )
 def report(
-    run: Annotated[Path, typer.Argument(help="What run --out wrote.", metavar="RUN.nc")],
+    runs: Annotated[
+        list[Path],
+        typer.Argument(help="What run --out wrote; several are compared.", metavar="RUN.nc..."),
+    ],
     out: Annotated[
         Path | None,
-        typer.Option(help="The page; RUN.html by default.", metavar="FILE", show_default=False),
+        typer.Option(
+            help="HTML file; RUN.html by default, comparison.html beside the first of several.",
+            metavar="FILE",
+            show_default=False,
+        ),
     ] = None,
 ) -> None:
-    """Write one HTML page that shows a run.
+    """Write one HTML report of a run, or compare several runs.
 
-    What was run, a picture of vehicle and window, forces and accelerations over the
-    way, spectra, third-octave levels, orders, a spectrogram, statistics, ride comfort,
-    quality of the co-simulation, parameters. Plots zoom; nothing is loaded from
-    elsewhere. What a run does not have is said on the page.
+    Of one run: extremes of the whole run and losses of contact, simulation settings, a
+    schematic of vehicle and window, statistics of the evaluation window, forces and
+    accelerations versus distance travelled, spectra, third-octave levels, orders, a
+    spectrogram, ride comfort, coupling residuals, parameters.
+
+    Of several: settings and parameters that differ, statistics with their windows and
+    differences from the first run, histories versus distance travelled and spectra over
+    each other. Length, step and recorded variables may differ.
+
+    Plots zoom; nothing is loaded from elsewhere. What a run does not have is said.
     """
     from rail_cosim.reporting import execute_report
 
     with plain_errors():
-        say(str(execute_report(run, out, typed_command())))
+        say(str(execute_report(runs, out, typed_command())))

@@ -1,11 +1,11 @@
-"""The report of a run: one HTML page that needs no other file and no network."""
+"""The HTML report of a run or of several: one file that needs no other file and no network."""
 
 from __future__ import annotations
 
 import json
 import shlex
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any, cast
@@ -16,61 +16,75 @@ from markupsafe import Markup
 
 from rail_cosim.errors import ResultsError
 from rail_cosim.html import STYLE, made
-from rail_cosim.reporting import figures, frequencies, motion
+from rail_cosim.postprocessing import static_wheel_load
+from rail_cosim.presentation import all_without_round_off
+from rail_cosim.reporting import comparison, figures, frequencies, motion
 from rail_cosim.reporting.charts import Chart
-from rail_cosim.reporting.reading import ReportError, check_run, open_run
+from rail_cosim.reporting.comfort import comfort
+from rail_cosim.reporting.overview import overview
+from rail_cosim.reporting.reading import ReportError, check_run, check_size, labels, open_run
 from rail_cosim.reporting.sections import Section
 from rail_cosim.summary import summarise
 
-__all__ = ["ReportError", "execute_report", "page", "report"]
+__all__ = ["ReportError", "compare", "execute_report", "page", "report"]
 
 _LIBRARIES = ("numpy", "scipy", "xarray", "plotly")
 
 
-def report(dataset: xr.Dataset, path: str | Path) -> Path:
-    """Write the report of a run; mirrors ``rail-cosim report``.
+def report(runs: xr.Dataset | Mapping[str, xr.Dataset], path: str | Path) -> Path:
+    """Write the HTML report of a run, or the comparison of several; mirrors ``rail-cosim report``.
 
     Parameters
     ----------
-    dataset
-        The run, as :func:`rail_cosim.run` returns it.
+    runs
+        The run, as :func:`rail_cosim.run` returns it; or two runs or more by their labels, which
+        are compared with the first.
     path
-        The page to write.
+        The report to write.
 
     Returns
     -------
     Path
-        The page.
+        The report.
 
     Raises
     ------
     ReportError
-        If the data set is no run.
+        If a data set is not a run.
     ResultsError
-        If the page cannot be written.
+        If the report cannot be written.
     """
-    check_run(dataset, "dataset")
-    return _write(dataset, Path(path), shlex.join(sys.argv))
+    # A Dataset is a Mapping, too.
+    several = {"dataset": runs} if isinstance(runs, xr.Dataset) else dict(runs)
+    for name, run in several.items():
+        check_run(run, name)
+        check_size(run, name)
+    return _write(several, Path(path), shlex.join(sys.argv))
 
 
-def execute_report(run: Path, out: Path | None, command: str) -> Path:
-    """Write the report of the run in a file; beside it with the ending ``.html`` by default.
+def execute_report(paths: Sequence[Path], out: Path | None, command: str) -> Path:
+    """Write the report of the runs in files.
+
+    By default it is beside the run with the ending ``.html``, and ``comparison.html`` beside the
+    first of several runs.
 
     Raises
     ------
     ReportError
-        If the file is no run.
+        If a file is not a run.
     ResultsError
-        If the page cannot be written, or would overwrite the run.
+        If the report cannot be written, or would overwrite a run.
     """
-    target = out or run.with_suffix(".html")
-    if target.resolve() == run.resolve():
+    beside = paths[0].with_suffix(".html")
+    target = out or (beside if len(paths) == 1 else beside.with_name("comparison.html"))
+    if target.resolve() in [path.resolve() for path in paths]:
         raise ResultsError(f"{target}: is the run itself; name another file with --out")
-    return _write(open_run(run), target, command)
+    runs = {name: open_run(path) for name, path in zip(labels(paths), paths, strict=True)}
+    return _write(runs, target, command)
 
 
-def _write(dataset: xr.Dataset, path: Path, command: str) -> Path:
-    text = page(dataset, command)
+def _write(runs: Mapping[str, xr.Dataset], path: Path, command: str) -> Path:
+    text = page(next(iter(runs.values())), command) if len(runs) == 1 else compare(runs, command)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -80,43 +94,57 @@ def _write(dataset: xr.Dataset, path: Path, command: str) -> Path:
 
 
 def page(dataset: xr.Dataset, command: str = "") -> str:
-    """Return the page as text.
+    """Return the report of a run as text.
 
     Parameters
     ----------
     dataset
         A run of some records.
     command
-        Said at the end of the page.
+        Said at the end of the report.
     """
+    return _rendered(_title(dataset), _sections(dataset), command, _warning(dataset.attrs))
+
+
+def compare(runs: Mapping[str, xr.Dataset], command: str = "") -> str:
+    """Return the comparison of two runs or more, by their labels, as text."""
+    cleaned = {
+        name: all_without_round_off(run, static_wheel_load(run)) for name, run in runs.items()
+    }
+    return _rendered("Comparison: " + ", ".join(runs), comparison.sections(cleaned), command)
+
+
+def _rendered(title: str, sections: list[Section], command: str, warning: str = "") -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True
     )
     cast(Any, environment).filters["embedded"] = _embedded  # jinja2 gives it no type
     text = resources.files("rail_cosim.reporting").joinpath("page.html").read_text(encoding="utf-8")
     return environment.from_string(text).render(
-        title=_title(dataset),
-        warning=_warning(dataset.attrs),
+        title=title,
+        warning=warning,
         style=Markup(STYLE),
-        sections=_sections(dataset),
+        sections=sections,
         made=made(command or "rail_cosim.report", _LIBRARIES),
         plotly=_plotly(),
     )
 
 
 def _sections(run: xr.Dataset) -> list[Section]:
+    run = all_without_round_off(run, static_wheel_load(run))
     summary = summarise(run)
     return [
-        figures.what_was_run(run),
+        overview(summary),
+        figures.settings(run),
         figures.changed(run),
-        figures.statistics(run),
-        figures.comfort(run),
+        figures.statistics(run, summary),
+        comfort(run),
         motion.forces(run, summary.window),
         motion.accelerations(run, summary.window),
         frequencies.spectra(run, summary),
-        frequencies.bands(run),
+        frequencies.bands(run, summary),
         frequencies.over_time(run),
-        figures.quality(run),
+        figures.residuals(run),
         figures.all_parameters(run),
     ]
 

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Chart = dict[str, Any]
 
-# Colours that stay apart for the colour-blind, in print and on screen (Okabe and Ito).
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#555555")
 POINTS = 3000
 """Points of a line at most."""
 
@@ -68,7 +66,7 @@ def line(
     y: Array,
     name: str,
     *,
-    colour: str = COLOURS[0],
+    colour: str,
     dash: str = "solid",
     shown: bool = True,
     axis: str = "",
@@ -89,34 +87,20 @@ def line(
     axis
         Number of the y axis, "" for the first.
     step
-        True for a staircase with the steps half way.
+        True for a staircase with the steps midway between the points.
     """
-    way, values = envelope(np.asarray(x, float), np.asarray(y, float))
+    places, values = envelope(np.asarray(x, float), np.asarray(y, float))
     found: Chart = {
         "type": "scatter",
         "mode": "lines",
         "name": name,
-        "x": packed(way),
+        "x": packed(places),
         "y": packed(values),
         "line": {"color": colour, "width": 1.2, "dash": dash},
         "yaxis": f"y{axis}",
     }
     if step:
         found["line"]["shape"] = "hvh"
-    if not shown:
-        found["visible"] = "legendonly"
-    return found
-
-
-def bars(names: Sequence[str], values: Array, name: str, *, colour: str, shown: bool) -> Chart:
-    """Return bars over words."""
-    found: Chart = {
-        "type": "bar",
-        "name": name,
-        "x": list(names),
-        "y": packed(np.asarray(values, float)),
-        "marker": {"color": colour},
-    }
     if not shown:
         found["visible"] = "legendonly"
     return found
@@ -200,4 +184,5 @@ def _axis(title: str) -> Chart:
         "zerolinecolor": "#ccc",
         "linecolor": "#999",
         "automargin": True,
+        "exponentformat": "power",
     }

@@ -15,16 +15,16 @@ from rail_cosim.postprocessing import (
     spectrogram,
     third_octaves,
 )
+from rail_cosim.presentation import channels, shown_unit, title
 from rail_cosim.reporting.charts import chart, heat_map, line
-from rail_cosim.reporting.motion import channels
+from rail_cosim.reporting.motion import BOX, FORCES
 from rail_cosim.reporting.sections import Figure, MissingError, Section, need
 from rail_cosim.summary import Summary
 from rail_cosim.window import periods
 
 _HIGHEST, _HIGHEST_ORDER = 2000.0, 10.0
-_BOX = "axle_box_vertical_acceleration"
-_FORCES = ("vertical_wheel_force", "normal_force")
 _CAR = ("car_body_floor_vertical_acceleration", "car_body_vertical_acceleration")
+_BOGIE = ("bogie_vertical_acceleration",)
 _COLUMNS, _LINES = 400, 250
 _FEWEST = 8  # lines
 _LEAST = 1e-12
@@ -37,42 +37,30 @@ def spectra(run: xr.Dataset, summary: Summary) -> Section:
         intro=f"Of the evaluation window, {summary.window.text}. "
         "Amplitudes are those of the spectral lines.",
     )
-    for title, unit, factor, names in (
-        ("axle-box acceleration", "m/s²", 1.0, (_BOX,)),
-        ("wheel force", "kN", 1e-3, _FORCES),
-        ("car body, vertical", "m/s²", 1.0, _CAR),
-    ):
-        section.add(
-            lambda t=title, u=unit, f=factor, n=names: _spectrum(
-                run, summary, need(run, *n), t, u, f
-            )
-        )
-    section.add(lambda: _orders(run, need(run, *_FORCES), "wheel force", "kN", 1e-3))
-    section.add(lambda: _orders(run, need(run, _BOX), "axle-box acceleration", "m/s²", 1.0))
+    for names in ((BOX,), FORCES, _CAR):
+        section.add(lambda n=names: _spectrum(run, summary, need(run, *n)))
+    for names in (FORCES, (BOX,)):
+        section.add(lambda n=names: _orders(run, need(run, *n)))
     return section
 
 
-def bands(run: xr.Dataset) -> Section:
+def bands(run: xr.Dataset, summary: Summary) -> Section:
     """Return the section of third-octave levels."""
     section = Section(
         title="Third-octave levels",
-        intro="Bands of IEC 61260-1, base ten; root mean square over the evaluated part. Bands "
-        "that are narrower than two spectral lines of this record are left out.",
+        intro="Bands of IEC 61260-1, base ten; root mean square over the evaluation window, "
+        f"{summary.window.text}. Bands that are narrower than two spectral lines of this window "
+        "are left out.",
     )
-    for title, names in (
-        ("axle-box acceleration", (_BOX,)),
-        ("wheel force", _FORCES),
-        ("bogie acceleration, vertical", ("bogie_vertical_acceleration",)),
-        ("car body, vertical", _CAR),
-    ):
-        section.add(lambda t=title, n=names: _bands(run, need(run, *n), t))
+    for names in ((BOX,), FORCES, _BOGIE, _CAR):
+        section.add(lambda n=names: _bands(run, need(run, *n)))
     return section
 
 
 def over_time(run: xr.Dataset) -> Section:
     """Return the section of the spectrogram."""
     section = Section(title="Spectrogram")
-    section.add(lambda: _spectrogram(run, need(run, _BOX)))
+    section.add(lambda: _spectrogram(run, need(run, BOX)))
     return section
 
 
@@ -86,14 +74,8 @@ def _finite(array: xr.DataArray) -> xr.DataArray:
     return array
 
 
-def _spectrum(
-    run: xr.Dataset,
-    summary: Summary,
-    array: xr.DataArray,
-    title: str,
-    unit: str,
-    factor: float,
-) -> Figure:
+def _spectrum(run: xr.Dataset, summary: Summary, array: xr.DataArray) -> Figure:
+    unit, factor = shown_unit(array)
     found = amplitude_spectrum(_part(run, array))
     found = found.isel(frequency=slice(2, None)).sel(frequency=slice(None, _HIGHEST))
     frequency = found["frequency"].to_numpy()
@@ -110,7 +92,7 @@ def _spectrum(
         y_axis=_decades(largest, 5),
         marks={word: f for word, f in marks.items() if not math.isnan(f)},
     )
-    return Figure(title=f"Spectrum: {title}", chart=drawn)
+    return Figure(title=f"Spectrum: {title(array)}", chart=drawn)
 
 
 def _lines(found: xr.DataArray, over: np.ndarray, factor: float) -> list[dict[str, object]]:
@@ -134,7 +116,8 @@ def _decades(largest: float, count: int) -> dict[str, object]:
     return {"type": "log", "range": [top - count, top], "dtick": 1, "exponentformat": "power"}
 
 
-def _orders(run: xr.Dataset, array: xr.DataArray, title: str, unit: str, factor: float) -> Figure:
+def _orders(run: xr.Dataset, array: xr.DataArray) -> Figure:
+    unit, factor = shown_unit(array)
     found = order_spectrum(run, array).isel(order=slice(1, None))
     found = found.sel(order=slice(None, _HIGHEST_ORDER))
     order = found["order"].to_numpy()
@@ -144,12 +127,14 @@ def _orders(run: xr.Dataset, array: xr.DataArray, title: str, unit: str, factor:
         x="order: periods per fastener spacing",
         y=f"amplitude ({unit})",
         y_axis=_decades(float(found.max()) * factor, 5),
-        marks={"sleepers": 1.0} | ({"slabs": bay / slab} if slab > 0.0 else {}),
+        marks={"fastener passing": 1.0} | ({"slab passing": bay / slab} if slab > 0.0 else {}),
     )
-    return Figure(title=f"Orders of {bay:g} m: {title}", chart=drawn)
+    window = f"{found.attrs['evaluated_start']:.2f} to {found.attrs['evaluated_stop']:.2f} m"
+    words = f"Orders of {bay:g} m: {title(array)}, {window}"
+    return Figure(title=words, chart=drawn)
 
 
-def _bands(run: xr.Dataset, array: xr.DataArray, title: str) -> Figure:
+def _bands(run: xr.Dataset, array: xr.DataArray) -> Figure:
     rms = third_octaves(_part(run, array), low=1.0, high=2000.0)
     known = np.isfinite(rms.to_numpy()).reshape(rms.sizes["frequency"], -1).all(axis=1)
     if not known.any():
@@ -168,7 +153,7 @@ def _bands(run: xr.Dataset, array: xr.DataArray, title: str) -> Figure:
         y=f"level (dB re 1 µ{str(rms.attrs['units']).replace('2', '²')})",
         x_axis=ticks,
     )
-    return Figure(title=f"Third octaves: {title}", chart=drawn)
+    return Figure(title=f"Third octaves: {title(array)}", chart=drawn)
 
 
 def _spectrogram(run: xr.Dataset, array: xr.DataArray) -> Figure:
@@ -195,5 +180,5 @@ def _spectrogram(run: xr.Dataset, array: xr.DataArray) -> Figure:
     ) | {"zmin": top - 60.0, "zmax": top}
     drawn = chart([heat], x="time (s)", y="frequency (Hz)", height=420)
     word = "left, " if "side" in array.dims else ""
-    title = f"Axle-box acceleration of the leading wheelset, {word}segments of {segment:.2g} s"
-    return Figure(title=title, chart=drawn)
+    words = f"Axle-box acceleration of the leading wheelset, {word}segments of {segment:.2g} s"
+    return Figure(title=words, chart=drawn)

@@ -1,138 +1,118 @@
-"""Sections with forces and accelerations over the way."""
+"""Sections with forces and accelerations versus distance travelled."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 
-from rail_cosim.postprocessing import flange_climbing, sum_of_guiding_forces
-from rail_cosim.reporting.charts import COLOURS, Chart, chart, line
+from rail_cosim.postprocessing import flange_climbing, static_wheel_load, sum_of_guiding_forces
+from rail_cosim.presentation import (
+    channels,
+    label,
+    shown_unit,
+    title,
+    without_round_off,
+)
+from rail_cosim.reporting.charts import Chart, chart, line
 from rail_cosim.reporting.sections import Figure, Section, need
-from rail_cosim.results import SIDES
 from rail_cosim.window import EvaluationWindow, distances
 
-WAY = "way of the leading wheelset (m)"
+DISTANCE = "distance travelled (m)"
+FORCES = ("vertical_wheel_force", "normal_force")
+BOX = "axle_box_vertical_acceleration"
+_ACCELERATIONS = (
+    ("bogie_vertical_acceleration",),
+    ("bogie_lateral_acceleration",),
+    ("car_body_floor_vertical_acceleration", "car_body_vertical_acceleration"),
+    ("car_body_floor_lateral_acceleration", "car_body_lateral_acceleration"),
+)
+_AROUND = (0.5, 1.5)  # m before and after the largest value
 
 
-def forces(run: xr.Dataset, chosen: EvaluationWindow) -> Section:
+def forces(run: xr.Dataset, window: EvaluationWindow) -> Section:
     """Return the section of wheel forces."""
     section = Section(
         title="Wheel forces",
-        intro="Grey: the part that figures and spectra are taken from. Drag to zoom, double-click "
-        "to go back; click a name to show or hide it.",
+        intro="Grey: the evaluation window, of which statistics and spectra are made. Distances "
+        "are those travelled by the leading wheelset. Y is positive to the right. Drag to zoom, "
+        "double-click to go back; click a name to show or hide it.",
     )
-    names = ("vertical_wheel_force", "normal_force")
-    section.add(lambda: _whole(run, chosen, need(run, *names), "wheel force Q", "kN", 1e-3))
-    section.add(lambda: _end(run, chosen, need(run, *names), "wheel force Q", "kN", 1e-3))
-    section.add(
-        lambda: _whole(run, chosen, need(run, "guiding_force"), "guiding force Y", "kN", 1e-3)
-    )
-    section.add(
-        lambda: _whole(run, chosen, sum_of_guiding_forces(run), "sum of guiding forces", "kN", 1e-3)
-    )
-    section.add(lambda: _whole(run, chosen, flange_climbing(run), "Y/Q, Y outwards", "", 1.0))
+    section.add(lambda: _whole(run, window, need(run, *FORCES)))
+    section.add(lambda: _largest(run, need(run, *FORCES)))
+    section.add(lambda: _end(run, window, need(run, *FORCES)))
+    section.add(lambda: _whole(run, window, need(run, "guiding_force")))
+    section.add(lambda: _whole(run, window, track_shifting_force(run)))
+    section.add(lambda: _whole(run, window, flange_climbing(run)))
     return section
 
 
-def accelerations(run: xr.Dataset, chosen: EvaluationWindow) -> Section:
+def accelerations(run: xr.Dataset, window: EvaluationWindow) -> Section:
     """Return the section of accelerations."""
     section = Section(title="Accelerations")
-    boxes = "axle_box_vertical_acceleration"
-    section.add(lambda: _whole(run, chosen, need(run, boxes), "axle boxes, vertical", "m/s²", 1.0))
-    section.add(lambda: _end(run, chosen, need(run, boxes), "axle boxes, vertical", "m/s²", 1.0))
-    for title, name in (
-        ("bogie frames, vertical", "bogie_vertical_acceleration"),
-        ("bogie frames, lateral", "bogie_lateral_acceleration"),
-    ):
-        section.add(lambda t=title, n=name: _whole(run, chosen, need(run, n), t, "m/s²", 1.0))
-    for direction in ("vertical", "lateral"):
-        names = (
-            f"car_body_floor_{direction}_acceleration",
-            f"car_body_{direction}_acceleration",
-        )
-        title = f"car body, {direction}"
-        section.add(lambda t=title, n=names: _whole(run, chosen, need(run, *n), t, "m/s²", 1.0))
+    section.add(lambda: _whole(run, window, need(run, BOX)))
+    section.add(lambda: _largest(run, need(run, BOX)))
+    section.add(lambda: _end(run, window, need(run, BOX)))
+    for names in _ACCELERATIONS:
+        section.add(lambda n=names: _whole(run, window, need(run, *n)))
     return section
 
 
-def channels(array: xr.DataArray) -> list[tuple[str, xr.DataArray, str, str, bool]]:
-    """Return the channels of a variable: name, values, colour, dash, whether shown at first.
-
-    Of the wheels the left ones are shown at first: on straight track they are nearly alike.
-    """
-    array = array.transpose("time", ...) if "time" in array.dims else array
-    others = [str(d) for d in array.dims if d in ("wheelset", "bogie", "floor_place")]
-    sides = "side" in array.dims
-    found = []
-    for number in range(array.sizes[others[0]] if others else 1):
-        one = array.isel({others[0]: number}) if others else array
-        name = _name(others[0], number) if others else str(array.name or "")
-        colour = COLOURS[number % len(COLOURS)]
-        if not sides:
-            found.append((name, one, colour, "solid", True))
-            continue
-        for side, word in enumerate(SIDES):
-            dash = "solid" if side == 0 else "dot"
-            found.append((f"{name} {word}", one.isel(side=side), colour, dash, side == 0))
-    return found
+def track_shifting_force(run: xr.Dataset) -> xr.DataArray:
+    """Return the sum of Y of each wheelset, 0 where it is round-off of the two."""
+    total = sum_of_guiding_forces(run).rename("track_shifting_force")
+    return without_round_off(total, static_wheel_load(run))
 
 
-def _name(dimension: str, number: int) -> str:
-    if dimension == "floor_place":
-        words = ("over leading bogie", "half way", "over trailing bogie")
-        return words[number] if number < len(words) else f"place {number + 1}"
-    return f"{dimension} {number + 1}"
-
-
-def _lines(
-    way: np.ndarray, array: xr.DataArray, factor: float, rows: slice = slice(None)
-) -> list[Chart]:
+def _lines(distance: np.ndarray, array: xr.DataArray, rows: slice = slice(None)) -> list[Chart]:
+    factor = shown_unit(array)[1]
     return [
         line(
-            way[rows],
-            values.to_numpy()[rows] * factor,
-            name,
-            colour=colour,
-            dash=dash,
-            shown=shown,
+            distance[rows],
+            one.values.to_numpy()[rows] * factor,
+            one.name,
+            colour=one.colour,
+            dash=one.dash,
+            shown=one.shown,
         )
-        for name, values, colour, dash, shown in channels(array)
+        for one in channels(array)
     ]
 
 
-def _titled(title: str, unit: str) -> str:
-    return f"{title} ({unit})" if unit else title
+def _words(array: xr.DataArray) -> str:
+    words = title(array)
+    return words[0].upper() + words[1:]
 
 
-def _whole(
-    run: xr.Dataset,
-    chosen: EvaluationWindow,
-    array: xr.DataArray,
-    title: str,
-    unit: str,
-    factor: float,
-) -> Figure:
+def _whole(run: xr.Dataset, window: EvaluationWindow, array: xr.DataArray) -> Figure:
     drawn = chart(
-        _lines(distances(run), array, factor),
-        x=WAY,
-        y=_titled(title, unit),
-        shaded=(chosen.start, chosen.stop),
+        _lines(distances(run), array),
+        x=DISTANCE,
+        y=label(array),
+        shaded=(window.start, window.stop),
     )
-    return Figure(title=f"{title[0].upper()}{title[1:]} over the way", chart=drawn)
+    return Figure(title=_words(array), chart=drawn)
 
 
-def _end(
-    run: xr.Dataset,
-    chosen: EvaluationWindow,
-    array: xr.DataArray,
-    title: str,
-    unit: str,
-    factor: float,
-) -> Figure:
-    """Draw the last whole length of the evaluated part, every record."""
-    length = (chosen.stop - chosen.start) / max(1, chosen.periods or 10)
-    way = distances(run)
-    rows = slice(int(np.searchsorted(way, chosen.stop - length)), len(way))
-    what = f"last {chosen.of} length" if chosen.periods else "the end"
-    drawn = chart(_lines(way, array, factor, rows), x=WAY, y=_titled(title, unit), height=320)
-    return Figure(title=f"{title[0].upper()}{title[1:]}, {what}", chart=drawn)
+def _largest(run: xr.Dataset, array: xr.DataArray) -> Figure:
+    """Draw what is around the largest magnitude of the run, every record."""
+    sizes = np.abs(array.transpose("time", ...).to_numpy()).reshape(array.sizes["time"], -1)
+    distance = distances(run)
+    place = float(distance[np.unravel_index(np.nanargmax(sizes), sizes.shape)[0]])
+    first, last = np.searchsorted(distance, (place - _AROUND[0], place + _AROUND[1]))
+    drawn = chart(
+        _lines(distance, array, slice(int(first), int(last))),
+        x=DISTANCE,
+        y=label(array),
+        height=320,
+    )
+    return Figure(title=f"{_words(array)}, around the largest value, at {place:.2f} m", chart=drawn)
+
+
+def _end(run: xr.Dataset, window: EvaluationWindow, array: xr.DataArray) -> Figure:
+    """Draw the last whole length of the evaluation window, every record."""
+    length = (window.stop - window.start) / max(1, window.periods or 10)
+    distance = distances(run)
+    rows = slice(int(np.searchsorted(distance, window.stop - length)), len(distance))
+    what = f"last {window.of} length" if window.periods else "the end"
+    drawn = chart(_lines(distance, array, rows), x=DISTANCE, y=label(array), height=320)
+    return Figure(title=f"{_words(array)}, {what}", chart=drawn)

@@ -1,7 +1,8 @@
-"""Open a file that is to be reported, and say what it is if it is no run."""
+"""Open the files that are to be reported, and say what they are if they are not runs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import xarray as xr
@@ -18,6 +19,7 @@ _SHOWN = (
     "vertical_wheel_force",
     "guiding_force",
     "axle_box_vertical_acceleration",
+    "rail_vertical_displacement",
     "bogie_vertical_acceleration",
     "bogie_lateral_acceleration",
     "car_body_vertical_acceleration",
@@ -31,8 +33,23 @@ _SHOWN = (
 )
 
 
+def labels(paths: Sequence[Path]) -> list[str]:
+    """Return a short label for each file, no two alike: as much of its path as tells them apart."""
+    parts = [path.resolve().with_suffix("").parts for path in paths]
+    found: list[str] = []
+    for own in parts:
+        others = [one for one in parts if one != own]
+        size = 1
+        while any(one[-size:] == own[-size:] for one in others):
+            size += 1
+        name = "/".join(own[-size:])
+        again = found.count(name) + sum(one.startswith(f"{name} (") for one in found)
+        found.append(f"{name} ({again + 1})" if again else name)
+    return found
+
+
 class ReportError(RailCosimError):
-    """A file or data set is no run that can be reported."""
+    """A file or data set is not a run that can be reported."""
 
     exit_status = 2
 
@@ -45,21 +62,35 @@ def open_run(path: Path) -> xr.Dataset:
     ReportError
         If there is no such file, or it is no NetCDF, or something else than a run.
     """
+    with open_dataset(path) as dataset:
+        check_size(dataset, str(path))
+        return dataset[[name for name in _SHOWN if name in dataset]].load()
+
+
+def open_dataset(path: Path) -> xr.Dataset:
+    """Return the run in a NetCDF file, whose data are read when they are used.
+
+    Raises
+    ------
+    ReportError
+        If there is no such file, or it is not NetCDF, or something else than a run.
+    """
     if not path.is_file():
         what = "it is a directory" if path.is_dir() else "there is no such file"
         raise ReportError(f"{path}: cannot be read ({what})")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            check_run(dataset, str(path))
-            loaded = dataset[[name for name in _SHOWN if name in dataset]].load()
-    except ReportError:
-        raise
+        dataset = xr.open_dataset(path, engine="h5netcdf")
     except Exception as error:  # the readers of NetCDF raise nothing more exact
         raise ReportError(
-            f"{path}: is no NetCDF file that can be read ({_short(error)}); give one that "
+            f"{path}: is not a NetCDF file that can be read ({_short(error)}); give one that "
             "rail-cosim run --out wrote"
         ) from error
-    return loaded
+    try:
+        check_run(dataset, str(path))
+    except ReportError:
+        dataset.close()
+        raise
+    return dataset
 
 
 def check_run(dataset: xr.Dataset, name: str) -> None:
@@ -86,6 +117,17 @@ def check_run(dataset: xr.Dataset, name: str) -> None:
             f"{name}: has {count} records, too few to say anything ({_FEWEST} are needed); "
             "run a longer distance"
         )
+
+
+def check_size(dataset: xr.Dataset, name: str) -> None:
+    """Make sure that a run is not too long to be shown at once.
+
+    Raises
+    ------
+    ReportError
+        If it is.
+    """
+    count = dataset.sizes["time"]
     if count > MOST_RECORDS:
         raise ReportError(
             f"{name}: has {count} records, more than {MOST_RECORDS} are not shown at once; report "

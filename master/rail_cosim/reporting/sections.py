@@ -1,4 +1,4 @@
-"""What stands in a section of the page, and how a section says what it could not be made of."""
+"""What a section of the report contains, and how it says what is missing."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Iterable
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from rail_cosim.errors import RailCosimError
@@ -48,22 +49,23 @@ class Figure:
 
 @dataclasses.dataclass(kw_only=True)
 class Section:
-    """A part of the page.
+    """A part of the report.
 
     Attributes
     ----------
-    title, intro
-        In words.
+    title, intro, remarks
+        In words; remarks are set off.
     parts
         Tables and figures.
     missing
         What could not be shown, and why.
     folded
-        Whether it is shut until it is clicked.
+        Whether it is closed until it is clicked.
     """
 
     title: str
     intro: str = ""
+    remarks: list[str] = dataclasses.field(default_factory=list)
     parts: list[Table | Figure] = dataclasses.field(default_factory=list)
     missing: list[str] = dataclasses.field(default_factory=list)
     folded: bool = False
@@ -95,3 +97,10 @@ def need(run: xr.Dataset, *names: str) -> xr.DataArray:
 def number(value: float, digits: int = 4) -> str:
     """Return a number in a table; a dash for none."""
     return "–" if value != value else f"{value:.{digits}g}"
+
+
+def text(value: object) -> str:
+    """Return an attribute of a run in a table; a dash for none."""
+    if isinstance(value, float | np.floating):
+        return f"{float(value):.8g}"
+    return "–" if value is None else str(value)
