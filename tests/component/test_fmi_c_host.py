@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from fmi_builds import SUPPORT, folder, mass_spring_fmu
+from product import PATIENCE
 
 LIBRARY = Path(
     sysconfig.get_config_var("LIBDIR") or "", sysconfig.get_config_var("LDLIBRARY") or "missing"
@@ -63,7 +64,7 @@ def host():
             | environment,
             capture_output=True,
             text=True,
-            timeout=180,
+            timeout=PATIENCE,
         )
 
     return run

@@ -10,6 +10,7 @@ import textwrap
 from functools import cache
 from pathlib import Path
 
+from product import PATIENCE
 from rail_fmi.builder import build_fmu
 
 SUPPORT = Path(__file__).parent
@@ -96,5 +97,5 @@ def run_process(
         | environment,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
     )

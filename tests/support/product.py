@@ -15,6 +15,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+PATIENCE = 3600.0
+"""After this a process counts as hanging, s: far from what any takes on the busiest machine."""
+
 _COMMAND = "import sys; from rail_cosim.cli import main; sys.argv[0] = 'rail-cosim'; main()"
 _CALL = """
 import importlib, pickle, sys
@@ -68,13 +71,13 @@ class Product:
         return subprocess.Popen(command, env=self.environment(), **keywords)
 
     def command(
-        self, *arguments: object, status: tuple[int, ...] = (0,), timeout: float = 300.0
+        self, *arguments: object, status: tuple[int, ...] = (0,)
     ) -> subprocess.CompletedProcess[str]:
         """Run ``rail-cosim`` and demand one of these exit statuses."""
         pipe = subprocess.PIPE
         with self.start(*arguments, stdout=pipe, stderr=pipe, text=True) as process:
             try:
-                out, err = process.communicate(timeout=timeout)
+                out, err = process.communicate(timeout=PATIENCE)
             except subprocess.TimeoutExpired:
                 process.kill()
                 raise
@@ -93,7 +96,7 @@ class Product:
                 cwd=folder,
                 capture_output=True,
                 text=True,
-                timeout=300,
+                timeout=PATIENCE,
             )
             assert done.returncode == 0, f"exit status {done.returncode}\n{done.stderr}"
             return pickle.loads(answer.read_bytes())

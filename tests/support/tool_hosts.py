@@ -12,6 +12,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+from product import PATIENCE
 
 STEP = 1e-4
 STEPS = 7800  # 65 m at 300 km/h
@@ -123,7 +124,7 @@ def run_ecos_command(ssp: Path, folder: Path) -> dict[str, np.ndarray]:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, f"exit status {done.returncode}\n{done.stdout}\n{done.stderr}"
     return read_ecos_csv(folder / f"{ssp.stem}.csv")
@@ -192,7 +193,7 @@ def make_container(folder: Path, ssp: Path, fmus: tuple[Path, ...]) -> Path:
         cwd=folder,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, f"exit status {done.returncode}\n{done.stdout}\n{done.stderr}"
     return folder / "Pair.fmu"

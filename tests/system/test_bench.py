@@ -17,7 +17,7 @@ def test_bench_tells_where_the_time_goes_and_compares(fmus: Product):
     assert found["real_time_factor"] == pytest.approx(
         steps * found["macro_step"] / found["seconds_per_slab_length"], rel=1e-9
     )
-    assert found["ratio"] > 2.0
+    assert found["ratio"] > 10.0  # 27 to 35 where it was measured; CPU times, whatever else runs
     assert 0.0 < parts["vehicle"] < parts["track"] < 1.5 * parts["total"]
     assert found["setup"] > 0.0
     inside = found["track_microseconds_per_step"]

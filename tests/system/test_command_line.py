@@ -10,6 +10,7 @@ import time
 
 import pytest
 import xarray as xr
+from product import PATIENCE
 
 COMMANDS = ["build", "check", "run", "sweep", "study", "bench", "verify"]
 SHORT = ["--distance", 2, "--set", "track.rail.mode_count=40", "--set", "track.slab.mode_count=6"]
@@ -141,7 +142,7 @@ def in_a_terminal(fmus, *arguments, **variables):
             break
         text += block
     os.close(reader)
-    assert process.wait(60) == 0
+    assert process.wait(PATIENCE) == 0
     return text.decode()
 
 
@@ -182,13 +183,13 @@ def test_ctrl_c_ends_a_sweep_and_keeps_finished_points(fmus, tmp_path):
     arguments = ["sweep", spec, "--workers", 1, "--out", tmp_path / "sweep.nc"]
     pipe = subprocess.PIPE
     process = fmus.start(*arguments, stdout=pipe, stderr=pipe, text=True, start_new_session=True)
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + PATIENCE
     while len(list(store.glob("*.nc"))) < 2:
         assert process.poll() is None, process.stderr.read()
         assert time.monotonic() < end, "no point was finished"
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to the workers too
-    _, text = process.communicate(timeout=60)
+    _, text = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130, text
     assert f"finished points are in {store}" in text
     assert text.endswith("rail-cosim: error: stopped by the user\n")

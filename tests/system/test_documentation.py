@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from product import PATIENCE
 from rail_cosim.cli import app
 from rail_cosim.description import read_description
 from typer.main import get_command
@@ -161,7 +162,7 @@ def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(fmus
         env=fmus.environment() | {"NO_MKDOCS_2_WARNING": "1"},
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     assert "WARNING" not in done.stderr

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from product import PATIENCE
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LOAD = 69.21  # kN, of a wheel at rest
@@ -26,7 +27,7 @@ def example(fmus, tmp_path):
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=300,
+            timeout=PATIENCE,
         )
         assert done.returncode == 0, done.stderr
         return done.stdout

@@ -1,5 +1,6 @@
 """Faults around a run: a folder that takes no file, damaged caches."""
 
+import os
 import shutil
 import sys
 import time
@@ -7,7 +8,7 @@ import zipfile
 
 import pytest
 import xarray as xr
-from product import Product
+from product import PATIENCE, Product
 
 SHORT = ["--distance", 2, "--set", "track.window.slab_count=8", "--set", "track.rail.mode_count=80"]
 
@@ -26,18 +27,21 @@ def force_of(path):
 
 @pytest.fixture
 def own(fmus, tmp_path):
-    """Return the product with a cache of the test's own, a copy of the common one."""
+    """Return the product with a cache of the test's own, a copy of the common one.
+
+    Links to the sources become files: what is damaged here must not be theirs.
+    """
     cache = tmp_path / "cache"
-    shutil.copytree(fmus.cache, cache, symlinks=True)
+    shutil.copytree(fmus.cache, cache, ignore_dangling_symlinks=True)
     return Product(fmus.folder, cache)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc takes no files")
 def test_a_folder_that_takes_no_file_is_refused_before_the_run(fmus):
-    started = time.monotonic()
+    before = os.times().children_user
     done = fmus.command("run", "--distance", 5000, "--out", "/proc/run.nc", status=(1,))
     assert "/proc/run.nc: cannot be written" in done.stderr
-    assert time.monotonic() - started < 60.0
+    assert os.times().children_user - before < 30.0  # the steps would take a minute and more
 
 
 def damage(path):
@@ -67,7 +71,7 @@ def test_two_processes_fill_one_empty_cache(fmus, reference, tmp_path):
     empty = Product(fmus.folder, tmp_path / "cache")
     files = [tmp_path / f"{number}.nc" for number in range(2)]
     runs = [empty.start("run", *SHORT, "--out", file) for file in files]
-    assert [run.wait(900) for run in runs] == [0, 0]
+    assert [run.wait(PATIENCE) for run in runs] == [0, 0]
     for file in files:
         assert (force_of(file) == reference).all()
 
@@ -81,7 +85,7 @@ def test_a_run_killed_while_it_builds_extracts_or_compiles_does_no_harm(fmus, re
         run.kill()
         run.wait()
     file = tmp_path / "run.nc"
-    empty.command("run", *SHORT, "--out", file, timeout=900)
+    empty.command("run", *SHORT, "--out", file)
     assert (force_of(file) == reference).all()
 
 

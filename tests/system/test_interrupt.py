@@ -10,15 +10,16 @@ import time
 import numpy as np
 import pytest
 import xarray as xr
+from product import PATIENCE
 
 pytestmark = pytest.mark.skipif(
     sys.platform == "win32", reason="needs a pseudo-terminal, to see that stepping has begun"
 )
 
 
-def read_until(terminal: int, text: bytes, seconds: float) -> bytes:
+def read_until(terminal: int, text: bytes) -> bytes:
     """Read a terminal until ``text`` has come."""
-    seen, end = b"", time.monotonic() + seconds
+    seen, end = b"", time.monotonic() + PATIENCE
     while text not in seen:
         assert time.monotonic() < end, seen.decode(errors="replace")
         if select.select([terminal], [], [], 1.0)[0]:
@@ -47,11 +48,14 @@ def interrupted(fmus, file):
     )
     os.close(end)
     try:
-        seen = read_until(terminal, b"stepping", 120.0)
-        time.sleep(2.0)  # the word comes just before the first step
+        seen = read_until(terminal, b"stepping")
+        records = file.with_name("run.nc.records")
+        while records.stat().st_size == 0:  # the word comes just before the first step
+            assert process.poll() is None
+            time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         seen += rest(terminal)
-        out, _ = process.communicate(timeout=60)
+        out, _ = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()
         process.wait()

@@ -71,7 +71,7 @@ def test_a_start_on_a_file_is_at_rest_and_told(fmus, tmp_path):
 
 @pytest.mark.slow
 def test_critical_speed_of_the_default_pair(fmus, tmp_path):
-    done = fmus.command("study", "critical-speed", "--quick", "--out", tmp_path, timeout=1200)
+    done = fmus.command("study", "critical-speed", "--quick", "--out", tmp_path)
     with xr.open_dataset(tmp_path / "critical_speed.nc", engine="h5netcdf") as file:
         found = file.load()
     # Between 425 and 450 km/h when this was written (single runs, the same with all modes and
@@ -84,7 +84,7 @@ def test_critical_speed_of_the_default_pair(fmus, tmp_path):
 
 def test_table_1_is_measured_with_both_fmus(fmus, tmp_path):
     few = ["--set", "track.slab.mode_count=12", "--set", "track.rail.motion=vertical"]
-    done = fmus.command("study", "table1", "--quick", "--out", tmp_path, *few, timeout=600)
+    done = fmus.command("study", "table1", "--quick", "--out", tmp_path, *few)
     assert "of 9 ratings of the article are found" in " ".join(done.stdout.split())
     with xr.open_dataset(tmp_path / "table1.nc", engine="h5netcdf") as file:
         found = file.load()

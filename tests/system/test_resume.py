@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import rail_cosim
 import xarray as xr
+from product import PATIENCE
 from rail_cosim.checkpoint import CheckpointError, checkpoint_path, records_path
 from rail_cosim.errors import ParameterError, RailCosimError, RunInterrupted
 from rail_cosim.runner import Quiet
@@ -89,7 +90,7 @@ def test_a_killed_run_goes_on_from_its_last_checkpoint(fmus, tmp_path, whole):
     process = fmus.start(
         *command, "--checkpoint-interval", 1e-3, stdout=subprocess.DEVNULL, text=True
     )
-    end = time.monotonic() + 120.0
+    end = time.monotonic() + PATIENCE
     while not checkpoint_path(out).exists():
         assert process.poll() is None
         assert time.monotonic() < end
@@ -99,7 +100,7 @@ def test_a_killed_run_goes_on_from_its_last_checkpoint(fmus, tmp_path, whole):
     assert records_path(out).exists()
     assert not out.exists()
     done = fmus.start(*command, "--resume", stdout=subprocess.PIPE, text=True)
-    assert done.wait(120) == 0
+    assert done.wait(PATIENCE) == 0
     with xr.open_dataset(out, engine="h5netcdf") as written:
         same(whole, written.load())
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]

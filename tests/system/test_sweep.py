@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 import xarray as xr
+from product import PATIENCE
 
 STIFFNESS = "track.fastener.vertical_stiffness"
 COARSE = """
@@ -114,7 +115,7 @@ def test_killed_in_the_middle_it_goes_on_where_it_was(fmus, tmp_path):
     spec = specification(tmp_path, grid="speed = [210, 230, 250, 270]\n", distance=15)
     out, store = tmp_path / "killed.nc", tmp_path / "killed.points"
     with fmus.start("sweep", spec, "--workers", 1, "--out", out, start_new_session=True) as process:
-        end = time.monotonic() + 120.0
+        end = time.monotonic() + PATIENCE
         while len(times(store)) < 2:
             assert process.poll() is None, "it ended before it could be killed"
             assert time.monotonic() < end, "no point was finished"

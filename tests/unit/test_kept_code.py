@@ -13,6 +13,7 @@ import pytest
 import rail_cosim.kept_code
 import rail_quantities.kept_code
 from numba.core.caching import IndexDataCacheFile
+from product import PATIENCE
 from rail_quantities.kept_code import CheckedFiles
 
 MODULE = """
@@ -53,7 +54,7 @@ def use(folder, code=USE):
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()

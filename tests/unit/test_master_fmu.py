@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from fmpy.ssp.ssd import find_components, read_ssd
+from product import PATIENCE
 from rail_cosim.builder import SSP_NAME, Recipe, build, build_one, built_fmu, source_hash
 from rail_cosim.cache import VARIABLE, is_plain, plain_directory
 from rail_cosim.description import read_description
@@ -47,7 +48,7 @@ def python(tmp_path_factory):
             env=environment,
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=PATIENCE,
         )
         assert done.returncode == status, done.stderr
         return done.stdout

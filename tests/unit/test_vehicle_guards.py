@@ -158,10 +158,10 @@ def test_speeds_that_no_vehicle_has_are_refused(model, setpoint):
 
 @pytest.mark.parametrize("dt", [1e3, 1e9, 1e300])
 def test_steps_that_would_never_end_are_refused_at_once(model, dt):
-    forces, started = model.static_forces, time.monotonic()
+    forces, started = model.static_forces, time.process_time()
     with pytest.raises(StepError, match="at most 100 s, 100000 internal steps"):
         model.step(model.initial_state(), forces, forces, dt)
-    assert time.monotonic() - started < 1.0
+    assert time.process_time() - started < 1.0
 
 
 HARD = {

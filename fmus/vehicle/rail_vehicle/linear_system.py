@@ -54,7 +54,7 @@ class LinearSystem(NamedTuple):
     input_matrix, element_matrix
         B, shape (50, 24), and N, shape (50, 8); levers in m.
     free
-        Numbers of the coordinates other than the car body's x and the spins, shape (45,).
+        Indices of the coordinates other than the car body's x and the spins, shape (45,).
     """
 
     mass: Array

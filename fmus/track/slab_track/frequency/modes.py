@@ -100,19 +100,19 @@ class CoupledMode(NamedTuple):
     symmetry
         SYMMETRIC (both rails alike) or ANTISYMMETRIC (opposite; shapes are the right side's).
     wheel
-        Vertical motion of the wheelsets at the wheels, (w,).
+        Vertical motion of the wheelsets at the wheels, m/m, (w,).
     contact_force
         Force on the rail per unit wheel motion, (w,), N/m.
     rail
-        Deflection of the rail at ``rail_position``, (x,).
+        Deflection of the rail at ``rail_position``, m/m, (x,).
     rail_position
         m from the window's start, (x,).
     fastener
-        Compression of the fasteners, (P,).
+        Compression of the fasteners, m/m, (P,).
     seat
-        Deflection of the slabs at the rail seats, (P,).
+        Deflection of the slabs at the rail seats, m/m, (P,).
     slab
-        Deflection of the slabs along the rail and along the slabs' edge, (2, S, points).
+        Deflection of the slabs along the rail and along the slabs' edge, m/m, (2, S, points).
     slab_position
         m from the window's start, (S, points).
     """

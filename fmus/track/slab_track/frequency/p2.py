@@ -62,14 +62,14 @@ def pinned_pinned_frequency(p: TrackParameters) -> float:
 
 
 class PinnedPinned(NamedTuple):
-    """Extremes of one rail's vertical receptance near the pinned-pinned frequency, Hz.
+    """Extremes of one rail's vertical receptance near the pinned-pinned frequency.
 
     Attributes
     ----------
     peak
-        Largest receptance half-way between two fasteners.
+        Frequency of the largest receptance half-way between two fasteners, Hz.
     dip
-        Smallest receptance over a fastener.
+        Frequency of the smallest receptance over a fastener, Hz.
     """
 
     peak: float
