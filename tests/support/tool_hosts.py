@@ -15,7 +15,7 @@ import numpy as np
 from product import PATIENCE
 
 STEP = 1e-4
-STEPS = 7800  # 65 m at 300 km/h
+STEPS = 3120  # 26 m at 300 km/h
 
 WHEELS = [(i, side) for i in (1, 2, 3, 4) for side in ("left", "right")]
 OUTPUTS = {

@@ -1,6 +1,7 @@
 """Compiled code in numba's cache: damaged in every way, it is compiled anew and right again."""
 
 import inspect
+import itertools
 import os
 import pickle
 import random
@@ -86,9 +87,18 @@ def flipped(content, place):
     return content[:place] + bytes([content[place] ^ 1]) + content[place + 1 :]
 
 
-@pytest.mark.parametrize("ending", ["nbi", "nbc"])
-@pytest.mark.parametrize("how", DAMAGE)
-def test_damaged_files_are_compiled_anew(folder, how, ending):
+QUICK = {("nbi", "bit in the middle"), ("nbc", "cut in half")}
+"""Of whole processes; test_no_byte_of_a_file_can_change_unnoticed has every byte in this one."""
+
+
+@pytest.mark.parametrize(
+    ("ending", "how"),
+    [
+        pytest.param(*case, marks=() if case in QUICK else pytest.mark.slow)
+        for case in itertools.product(("nbi", "nbc"), DAMAGE)
+    ],
+)
+def test_damaged_files_are_compiled_anew(folder, ending, how):
     for path in kept(folder, ending):
         path.write_bytes(DAMAGE[how](path.read_bytes()))
     assert use(folder) == f"{RIGHT} 0 2"
