@@ -45,8 +45,9 @@ test-slow: $(TOOLS)
 soak: $(STAMP)
 	$(BIN)/python benchmarks/soak.py --kilometres 100 --out results/soak
 
-# Deliberate faults in a copy of the sources: the tests must notice each. A quarter of an hour.
+# Deliberate faults in a copy of the sources: the tests must notice them. At most an hour.
 mutations: $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mutations]'
 	$(BIN)/python tests/mutations/check.py
 
 # A minute for each reader of files and bytes from elsewhere.

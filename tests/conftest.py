@@ -20,17 +20,20 @@ PACKAGES = (
 
 
 def pytest_configure(config):
-    """Give all tests one cache of the product, and no more threads than there are tests.
+    """Give all tests one cache of the product, and nothing of the user's.
 
     It stays in pytest's own cache directory: it is keyed by the sources' hashes, and keeps
-    what was built and compiled for the next session. No test finds what the user's has.
+    what was built and compiled for the next session.
     """
-    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "100"}
+    for name in ("FORCE_COLOR", "NO_COLOR", "GITHUB_ACTIONS"):  # change what is printed
+        os.environ.pop(name, None)
     kept = getattr(config, "cache", None)
     if kept is None:
         return
     cache = kept.mkdir("rail-cosim")
     os.environ["RAIL_COSIM_CACHE"] = str(cache)
+    os.environ["MPLCONFIGDIR"] = str(kept.mkdir("matplotlib"))  # a list of fonts, made once
     _share_sources(cache)
     if getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         _compile(cache)

@@ -5,6 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from product import PATIENCE
 
 FLAGS = (
     "--headless=new",
@@ -47,7 +48,7 @@ def browser():
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     # With the driver named, selenium looks for none on the network.
     with webdriver.Chrome(options=options, service=Service(driver)) as started:
-        started.set_page_load_timeout(60)
+        started.set_page_load_timeout(PATIENCE)
         yield started
 
 

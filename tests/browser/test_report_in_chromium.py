@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import rail_cosim
+from product import PATIENCE
 from rail_cosim.reporting import page
 from synthetic import whole_run
 
@@ -20,7 +21,7 @@ def opened(browser, tmp_path_factory):
     browser.get(path.as_uri())
     for number in range(CHARTS):
         browser.execute_script(f"document.querySelectorAll('.chart')[{number}].scrollIntoView()")
-        WebDriverWait(browser, 30).until(lambda b, n=number: _drawn(b, n))
+        WebDriverWait(browser, PATIENCE).until(lambda b, n=number: _drawn(b, n))
     return browser
 
 
@@ -93,7 +94,7 @@ def test_a_click_in_the_legend_shows_the_right_wheels(opened):
     opened.execute_script("arguments[0].scrollIntoView({block: 'center'})", plot)
     plot.find_elements(By.CSS_SELECTOR, ".legendtoggle")[1].click()
     lines = "document.querySelector('.chart').querySelectorAll('.scatterlayer .js-line')"
-    WebDriverWait(opened, 10).until(lambda b: b.execute_script(f"return {lines}.length") == 5)
+    WebDriverWait(opened, PATIENCE).until(lambda b: b.execute_script(f"return {lines}.length") == 5)
 
 
 def test_nothing_hides_something_else(opened):
