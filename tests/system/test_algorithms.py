@@ -40,3 +40,11 @@ def test_two_runs_are_equal_to_the_bit(runs, fmus, tmp_path):
     assert set(again.data.variables) == set(first.variables)
     for name, values in first.variables.items():
         assert values.equals(again.data.variables[name]), name
+
+
+def test_an_unstable_step_is_an_error_of_the_fmu_with_limit_and_remedy(fmus, tmp_path):
+    """Creep makes a slow wheelset stiff: the wheels would turn about with some 20 kN."""
+    with pytest.raises(
+        AssertionError, match=r"(?s)0\.1 ms is coarse.*0\.1 ms the coupling is unstable"
+    ):
+        run(fmus, tmp_path, "--speed", 60, "--distance", 2, "--algorithm", "jacobi")

@@ -8,6 +8,7 @@ times; over a step it is written as
 """
 
 import dataclasses
+import math
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -96,11 +97,23 @@ class ForceMemory:
     ----------
     history
         What it starts with.
+    unit
+        What counts as a large force or moment in :attr:`surprise`, N and N.m, six numbers;
+        infinite where nothing is asked.
+    surprise
+        To start with, see there.
     """
 
-    def __init__(self, history: ForceHistory) -> None:
+    def __init__(
+        self,
+        history: ForceHistory,
+        unit: tuple[float, ...] = (math.inf,) * 6,
+        surprise: float = 0.0,
+    ) -> None:
         count, width = history.ages.size, history.forces[0].size
-        self._memory = np.zeros(_FORCES + 3 * width)
+        self._unit = np.tile(np.array(unit), width // 6)
+        self._memory = np.zeros(_FORCES + 3 * width + 1)
+        self._memory[-1] = surprise
         self._memory[0] = count
         self._memory[_AGES : _AGES + count] = history.ages
         self._memory[_FORCES : _FORCES + width * count] = history.forces.ravel()
@@ -115,6 +128,16 @@ class ForceMemory:
             self._memory[_AGES : _AGES + count].copy(), values.copy().reshape(count, -1, 6)
         )
 
+    @property
+    def surprise(self) -> float:
+        """How far the values are from the parabola through the three before each of them.
+
+        Root mean square over the wheelsets in parts of the unit, at most 1 for each step; mean over
+        some :data:`MEMORY` steps. Forces that are followed are near 0, those that turn from step
+        to step near 1.
+        """
+        return float(self._memory[-1])
+
     def append(self, forces: Array, elapsed: float) -> None:
         """Take in a value, six numbers per wheelset, ``elapsed`` seconds after the newest."""
         _append(self._memory, forces, elapsed)
@@ -123,7 +146,7 @@ class ForceMemory:
         self, forces: Array, elapsed: float, step: float, order: int, *, at_end: bool
     ) -> Array:
         """Return what :meth:`over_step` does, after :meth:`append`; faster than both."""
-        _take(self._memory, forces, elapsed, step, order, at_end, self._curve)
+        _take(self._memory, forces, elapsed, step, order, at_end, self._unit, self._curve)
         return self._curve
 
     def over_step(self, step: float, order: int, *, at_end: bool) -> Array:
@@ -140,7 +163,10 @@ LEAST_SPAN = 0.5
 """Shortest time from the start of a step back to a value that its polynomial uses, in parts of the
 step, as long as there are earlier ones."""
 
-# The memory as one vector: how many values it holds, their ages, the values.
+MEMORY = 200
+"""Steps over which the surprise is a mean."""
+
+# The memory as one vector: how many values it holds, their ages, the values, the surprise.
 _AGES, _FORCES = 1, 4
 
 
@@ -152,16 +178,41 @@ def _take(
     step: float,
     order: int,
     at_end: bool,
+    unit: Array,
     curve: Array,
 ) -> None:
     # The value before the start of the step is left out where it is near and there is another:
     # the parabola would magnify its error with the ratio of the times.
     before = 1 if at_end else 0
     distance = memory[_AGES + 1] if at_end else elapsed
-    if 0.0 < distance < LEAST_SPAN * step and memory[0] > before + 1.0:
+    forgets = 0.0 < distance < LEAST_SPAN * step and memory[0] > before + 1.0
+    if forgets and at_end:
+        _forget(memory, newest.size, before)
+    if elapsed > 0.0 and memory[0] > 2.0:
+        _compare(memory, newest, elapsed, unit)
+    if forgets and not at_end:
         _forget(memory, newest.size, before)
     _append(memory, newest, elapsed)
     _over_step(memory, step, order, at_end, curve)
+
+
+@entry
+def _compare(memory: Array, newest: Array, elapsed: float, unit: Array) -> None:
+    """Add to the surprise how far a value is from the parabola through the three before it."""
+    width, total = newest.size, 0.0
+    before, earlier = memory[_AGES + 1], memory[_AGES + 2]
+    for column in range(width):
+        last, second, third = (
+            memory[_FORCES + column],
+            memory[_FORCES + width + column],
+            memory[_FORCES + 2 * width + column],
+        )
+        slope = (last - second) / before
+        curvature = (slope - (second - third) / (earlier - before)) / earlier
+        expected = last + elapsed * (slope + (elapsed + before) * curvature)
+        total += ((newest[column] - expected) / unit[column]) ** 2
+    size = min(1.0, math.sqrt(6.0 * total / width))
+    memory[memory.size - 1] += (size - memory[memory.size - 1]) / MEMORY
 
 
 @entry

@@ -21,6 +21,7 @@ from rail_vehicle.kernel import RESULT_COUNT, VECTOR_COUNT
 from rail_vehicle.model import VehicleModel, VehicleState
 from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
 from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
+from rail_vehicle.step_limits import LARGEST_SURPRISE, StepLimits
 
 _NUMBERS = range(1, 5)
 _HEIGHTS = tuple(f"wheelset[{i}].initial_vertical_displacement" for i in _NUMBERS)
@@ -96,15 +97,17 @@ class VehicleSlave(RailSlave):
         state = self._model.initial_state(heights)
         forces = self._forces.reshape(4, 6)
         self._outputs[:] = self._model.outputs(state, forces).vector
+        self._limits = StepLimits(parameters, at_end=self._at_end)
+        self._told = False
         self._begin(state, ForceHistory.begin(forces))
         self._last_step = 0.0
 
-    def _begin(self, state: VehicleState, history: ForceHistory) -> None:
+    def _begin(self, state: VehicleState, history: ForceHistory, surprise: float = 0.0) -> None:
         """Take a state; what steps write goes to arrays that are made here, in turn."""
         self._vector = np.zeros(RESULT_COUNT)
         self._vector[:VECTOR_COUNT] = state.vector
         self._next = np.zeros(RESULT_COUNT)
-        self._memory = ForceMemory(history)
+        self._memory = ForceMemory(history, self._limits.unit, surprise)
 
     def _find_places(self) -> None:
         self._forces = self.reals[self.slice_of(*_FORCES)]
@@ -142,8 +145,13 @@ class VehicleSlave(RailSlave):
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
         at_end = self._at_end
+        if step_size > self._limits.accurate and not self._told:
+            self._told = True
+            self.warn(self._limits.warning(step_size))
         elapsed = step_size if at_end else self._last_step
         forces = self._memory.take(self._forces, elapsed, step_size, self._order, at_end=at_end)
+        if self._memory.surprise > LARGEST_SURPRISE:
+            raise StepError(f"t = {time:.9g} s: {self._limits.error(step_size)}")
         try:
             self._model.step_into(
                 self._vector, forces, step_size, self._wanted_speed(), self._next, self._outputs
@@ -170,6 +178,7 @@ class VehicleSlave(RailSlave):
             "vector": self._vector[:VECTOR_COUNT],
             "ages": history.ages,
             "forces": history.forces,
+            "surprise": self._memory.surprise,
             "last_step": self._last_step,
             "speed_is_set": self._speed_is_set,
         }
@@ -177,7 +186,9 @@ class VehicleSlave(RailSlave):
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""
         self._begin(
-            VehicleState.of_vector(state["vector"]), ForceHistory(state["ages"], state["forces"])
+            VehicleState.of_vector(state["vector"]),
+            ForceHistory(state["ages"], state["forces"]),
+            float(state["surprise"]),
         )
         self._last_step = float(state["last_step"])
         self._speed_is_set = bool(state["speed_is_set"])
