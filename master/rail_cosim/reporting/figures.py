@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rail_cosim.attributes import CHANGED
+from rail_cosim.irregularity import irregularity_words
 from rail_cosim.postprocessing import (
     basic_statistics,
     evaluated,
@@ -65,6 +66,8 @@ def settings(run: xr.Dataset) -> Section:
     distance = distances(run)
     rows.append(["distance travelled", f"{distance[-1] - distance[0]:.6g} m"])
     rows.append(["records", str(run.sizes["time"])])
+    if irregularity := irregularity_words(about):
+        rows.append(["irregularity", irregularity])
     for fmu in ("vehicle", "track"):
         if f"{fmu}_fmu" in about:
             tool = about.get(f"{fmu}_generation_tool", "")

@@ -130,9 +130,11 @@ def _overlaid(
             values = one.values.to_numpy() * factor
             traces.append(line(over, values, name, colour=colours[name]))
             owners.append(one.name)
-            largest = float(np.nanmax(np.abs(values), initial=0.0))
-            peaks[one.name] = max(peaks.get(one.name, 0.0), largest)
-    shown = max(peaks, key=lambda channel: peaks[channel])
+            peak = float(np.nanmax(np.abs(values), initial=0.0))
+            peaks[one.name] = max(peaks.get(one.name, 0.0), peak)
+    # The first of those that are alike but for round-off, as left and right wheels are.
+    largest = max(peaks.values())
+    shown = next(channel for channel, peak in peaks.items() if peak >= largest * (1.0 - 1e-9))
     for trace, owner in zip(traces, owners, strict=True):
         trace["visible"] = owner == shown
     drawn = chart(traces, x=x, y=y, height=420)

@@ -1,4 +1,4 @@
-"""Picture of vehicle and window, drawn to scale as SVG."""
+"""Schematic of vehicle and window, drawn to scale as SVG."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _draw_track(picture: _Picture, found: Geometry, low: float, high: float) -> 
         for begin, end in ((low, rear), (front, high)):
             picture.text(0.5 * (begin + end), -36.0, f"{end - begin:.1f} m")
             picture.box(begin, end, -23.5, -22.5, "#888")
-        picture.text(0.5 * (low + high), -58.0, f"window of {high - low:.1f} m, slides along")
+        picture.text(0.5 * (low + high), -58.0, f"sliding window of {high - low:.1f} m")
 
 
 def _draw_vehicle(picture: _Picture, found: Geometry) -> None:

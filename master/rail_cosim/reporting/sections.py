@@ -103,4 +103,4 @@ def text(value: object) -> str:
     """Return an attribute of a run in a table; a dash for none."""
     if isinstance(value, float | np.floating):
         return f"{float(value):.8g}"
-    return "–" if value is None else str(value)
+    return "–" if value is None or value == "" else str(value)
