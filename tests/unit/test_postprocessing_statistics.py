@@ -226,7 +226,7 @@ def test_orders_need_their_lengths():
         .isel(channel=0)
         .sel(order=1.0, method="nearest")
     ) == pytest.approx(3.0, rel=2e-2)
-    with pytest.raises(ParameterError, match="run a longer way"):
+    with pytest.raises(ParameterError, match="run a longer distance"):
         order_spectrum(data, values, period=500.0)
     standing = data.assign(distance=xr.zeros_like(data["distance"]))
     with pytest.raises(ParameterError, match="must grow"):

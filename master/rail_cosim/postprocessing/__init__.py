@@ -7,8 +7,8 @@
 >>> post.third_octaves(run.axle_box_vertical_acceleration)       # doctest: +SKIP
 
 Functions of one signal take a DataArray with the dimension ``time`` and any others; what needs
-the way or the parameters takes the Dataset, too. All keep units and coordinates. What they mean,
-with formulas and standards, is in ``docs/postprocessing.md``.
+the distance or the parameters takes the Dataset, too. All keep units and coordinates. What they
+mean, with formulas and standards, is in ``docs/postprocessing.md``.
 """
 
 from rail_cosim.postprocessing.comfort import (

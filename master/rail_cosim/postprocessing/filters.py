@@ -3,7 +3,7 @@ r"""Filters and percentiles with which EN 14363 evaluates forces and acceleratio
 ========================================  ===================================================
 quantity                                  evaluation
 ========================================  ===================================================
-guiding force Y, sum of guiding forces,   low-pass 20 Hz, mean over 2 m of way (step 0.5 m at
+lateral force Y, track shifting force,     low-pass 20 Hz, mean over 2 m (step 0.5 m at
 Y/Q                                       most), percentiles 0.15 % and 99.85 %
 wheel force Q                             low-pass 20 Hz, percentile 99.85 %
 lateral acceleration in the car body,     low-pass 6 Hz
@@ -35,7 +35,7 @@ EN14363_LOW_PASS = 20.0
 """Limit frequency for forces, Hz."""
 
 EN14363_WINDOW, EN14363_STEP = 2.0, 0.5
-"""Length of the moving mean of guiding forces and its largest step, m."""
+"""Length of the moving mean of lateral wheel forces and its largest step, m."""
 
 EN14363_PERCENTILES = (0.15, 99.85)
 """Percentiles for running safety, %."""
@@ -105,15 +105,15 @@ def moving_mean(
     window: float = EN14363_WINDOW,
     step: float = EN14363_STEP,
 ) -> xr.DataArray:
-    """Return means over ``window`` metres of way, every ``step`` metres.
+    """Return means over ``window`` metres of distance, every ``step`` metres.
 
-    The signal is taken as linear in the way between two records, and its integral is exact; so
+    The signal is taken as linear in the distance between two records, and its integral is exact; so
     it holds at changing speed, too.
 
     Parameters
     ----------
     dataset
-        The run: gives the way of the leading wheelset.
+        The run: gives the distance travelled by the leading wheelset.
     array
         Dimensions ``time`` and any others.
     window, step
@@ -127,13 +127,15 @@ def moving_mean(
     Raises
     ------
     ParameterError
-        If the way is shorter than the window.
+        If the distance is shorter than the window.
     """
     way = np.asarray(distances(dataset), dtype=float)
     length = float(way[-1] - way[0])
     if not 0.0 < window <= length * (1.0 + 1e-9):
-        remedy = "run a longer way"
-        raise ParameterError("window", window, f"must be at most the way of {length:g} m", remedy)
+        remedy = "run a longer distance"
+        raise ParameterError(
+            "window", window, f"must be at most the distance travelled, {length:g} m", remedy
+        )
     count = int((length - window) / step * (1.0 + 1e-12)) + 1
     starts = way[0] + step * np.arange(count)
     ordered = array.transpose("time", ...)

@@ -1,9 +1,9 @@
-r"""Order analysis: what repeats with the sleepers and with the slabs.
+r"""Order analysis: what repeats with the fasteners and with the slabs.
 
-Records are resampled at equal steps of way, so that a line of the spectrum is a number of
+Records are resampled at equal steps of distance, so that a line of the spectrum is a number of
 periods per length and not per second: *order* 1 of the fastener spacing :math:`l_0` is one period
-from sleeper to sleeper, at any speed and while it changes. Over a whole number of slab lengths
-all orders of sleepers and slabs are lines of their own, without leakage and without a window.
+from fastener to fastener, at any speed and while it changes. Over a whole number of slab lengths
+all orders of fasteners and slabs are lines of their own, without leakage and without a window.
 """
 
 # pyright: reportUnknownMemberType=false, reportUnknownArgumentType=false
@@ -29,14 +29,14 @@ _LEAST_PER_PERIOD = 16
 def over_distance(
     dataset: xr.Dataset, array: xr.DataArray, *, step: float, start: float, stop: float
 ) -> xr.DataArray:
-    """Return a signal at equal steps of way, from ``start`` on and before ``stop``.
+    """Return a signal at equal steps of distance, from ``start`` on and before ``stop``.
 
     Cubic splines through the records.
 
     Parameters
     ----------
     dataset
-        The run: gives the way of the leading wheelset.
+        The run: gives the distance travelled by the leading wheelset.
     array
         Dimensions ``time`` and any others.
     step, start, stop
@@ -50,7 +50,7 @@ def over_distance(
     Raises
     ------
     ParameterError
-        If the way does not grow from record to record, or does not reach from start to stop, or
+        If the distance does not grow from record to record, or does not reach from start to stop, or
         if a record is not a number.
     """
     way = np.asarray(distances(dataset), dtype=float)
@@ -89,9 +89,9 @@ def order_spectrum(
     spacing: float | None = None,
     period: float | None = None,
 ) -> xr.DataArray:
-    """Return amplitudes (half of peak to peak) over orders of the fastener spacing.
+    """Return amplitudes (half peak-to-peak) over orders of the fastener spacing.
 
-    Evaluated are the last whole number of slab lengths within the second half of the way, or one
+    Evaluated are the last whole number of slab lengths within the second half of the distance, or one
     slab length where that is shorter.
 
     Parameters
@@ -103,7 +103,7 @@ def order_spectrum(
     spacing
         Length of which there are orders, m; None: the track's fastener spacing.
     period
-        Length that the evaluated part is a whole number of, m; None: the track's slab pitch.
+        Length that the window is a whole number of, m; None: the track's slab pitch.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def order_spectrum(
     Raises
     ------
     ParameterError
-        If lengths are not known, the way is shorter than the period, or records are fewer than
+        If lengths are not known, the distance is shorter than the period, or records are fewer than
         2 per step of the highest order.
     """
     bay, slab = periods(dataset)
@@ -123,8 +123,8 @@ def order_spectrum(
     length = float(way[-1] - way[0])
     count = int(0.5 * length / period * (1.0 + 1e-9)) or 1
     if count * period > length * (1.0 + 1e-9):
-        limit = f"must be at most the way of {length:g} m"
-        raise ParameterError("period", period, limit, "run a longer way")
+        limit = f"must be at most the distance travelled, {length:g} m"
+        raise ParameterError("period", period, limit, "run a longer distance")
     stop = float(way[-1])
     largest = float(np.diff(way).max())
     if largest > period / _LEAST_PER_PERIOD:
@@ -155,7 +155,7 @@ def order_spectrum(
 def passing_amplitudes(
     dataset: xr.Dataset, array: xr.DataArray, *, harmonics: Sequence[int] = (1, 2, 3)
 ) -> xr.Dataset:
-    """Return amplitudes at the harmonics of sleeper passing and of slab passing.
+    """Return amplitudes at the harmonics of fastener passing and of slab passing.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def passing_amplitudes(
     -------
     xarray.Dataset
         ``sleeper`` and ``slab`` with the dimension ``harmonic`` in place of ``time``. A harmonic
-        of the slab that is one of the sleeper, too, is shared.
+        of the slab that is one of the fastener, too, is shared.
 
     Raises
     ------
@@ -190,7 +190,7 @@ def passing_amplitudes(
 
 
 def passing_frequencies(dataset: xr.Dataset) -> tuple[Array, Array]:
-    """Return sleeper-passing and slab-passing frequency over time in Hz, shape (time,) each."""
+    """Return fastener-passing and slab-passing frequency over time in Hz, shape (time,) each."""
     bay, slab = periods(dataset)
     speed = np.gradient(np.asarray(distances(dataset), float), dataset["time"].to_numpy())
     return speed / bay, speed / slab
@@ -201,6 +201,6 @@ def _known(name: str, given: float | None, own: float) -> float:
     if not value > 0.0:
         limit = "must be greater than 0 m"
         if given is None:
-            limit = "the track does not tell its fastener spacing and slab pitch"
+            limit = "the track does not give its fastener spacing and slab pitch"
         raise ParameterError(name, given, limit, "give a length")
     return value

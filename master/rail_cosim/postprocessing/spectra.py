@@ -77,7 +77,7 @@ def amplitude_spectrum(array: xr.DataArray) -> xr.DataArray:
     """Return amplitudes of a spectrum (Hann window, mean removed), in the signal's unit.
 
     The amplitude of a sine between two lines comes out up to 15 % low. For what repeats with
-    sleepers and slabs :func:`rail_cosim.postprocessing.order_spectrum` is exact.
+    fasteners and slabs :func:`rail_cosim.postprocessing.order_spectrum` is exact.
 
     Parameters
     ----------

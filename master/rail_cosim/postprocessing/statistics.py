@@ -5,7 +5,7 @@ Of a wheel, with Q its vertical force, Q0 the static one, Y its lateral force:
 - dynamic factor: largest Q over Q0;
 - wheel unloading: (Q0 - smallest Q) / Q0, 1 when the wheel lifts off (dQ/Q0 of EN 14363);
 - Y/Q, Y positive towards the outside of the rail, where it makes the flange climb;
-- sum of guiding forces: both Y of a wheelset (EN 14363, running safety; Prud'homme's limit is
+- track shifting force: the sum of Y of a wheelset (EN 14363, running safety; Prud'homme's limit is
   10 kN + 2 Q0/3).
 
 Each is given for the signals as they are, and as EN 14363 evaluates them: low-pass 20 Hz, guiding
@@ -59,7 +59,7 @@ def static_wheel_load(dataset: xr.Dataset) -> float:
 def vertical_force(dataset: xr.Dataset) -> xr.DataArray:
     """Return the vertical forces Q of the wheels on the rails, (time, wheelset, side), N.
 
-    A track that does not tell them has its normal forces stand for them.
+    Of a track without this output the normal forces stand for them.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def vertical_force(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def steady_state_amplitude(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataArray:
-    """Return half the peak to peak of the Fourier terms up to 500 Hz over the last slab length.
+    """Return half peak-to-peak of the Fourier terms up to 500 Hz over the last slab length.
 
     That is what instrumented wheelsets give; the run should be steady (``--until-steady``).
 
@@ -88,7 +88,7 @@ def steady_state_amplitude(dataset: xr.Dataset, array: xr.DataArray) -> xr.DataA
     ordered = array.transpose("time", ...).isel(time=last_slabs(dataset).rows)
     found = half_range_below_limit(ordered.to_numpy().astype(float), step)
     others = ordered.isel(time=0, drop=True)
-    about = {"long_name": f"half the peak to peak below {BAND_LIMIT:g} Hz, last slab length"}
+    about = {"long_name": f"half peak-to-peak below {BAND_LIMIT:g} Hz, last slab length"}
     return others.copy(data=found).assign_attrs({**array.attrs, **about})
 
 
@@ -178,7 +178,7 @@ def flange_climbing(dataset: xr.Dataset) -> xr.DataArray:
     Raises
     ------
     ParameterError
-        If the track does not tell Y.
+        If the track has no output Y.
     """
     outward = _guiding(dataset) * xr.DataArray([-1.0, 1.0], dims="side")
     force = vertical_force(dataset)
@@ -186,21 +186,21 @@ def flange_climbing(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def sum_of_guiding_forces(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the sum of the guiding forces of each wheelset, to the right, (time, wheelset), N.
+    """Return the track shifting force (sum of Y) of each wheelset, to the right, (time, wheelset), N.
 
     Raises
     ------
     ParameterError
-        If the track does not tell them.
+        If the track has no such output.
     """
     return _guiding(dataset).sum("side").assign_attrs(units="N")
 
 
 def guiding_statistics(dataset: xr.Dataset) -> xr.Dataset:
-    """Return Y/Q of each wheel and sums of guiding forces as EN 14363 evaluates them.
+    """Return Y/Q of each wheel and track shifting forces as EN 14363 evaluates them.
 
-    Low-pass 20 Hz, means over 2 m of way, percentiles; over the whole way less its first half. A
-    run of which less than 2 m are evaluated has values that are not a number.
+    Low-pass 20 Hz, means over 2 m, percentiles; over the evaluation window. A
+    window shorter than 2 m has values that are not a number.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def guiding_statistics(dataset: xr.Dataset) -> xr.Dataset:
     Raises
     ------
     ParameterError
-        If the track does not tell the forces.
+        If the track has no such outputs.
     """
     quotient, total = flange_climbing(dataset), sum_of_guiding_forces(dataset)
     rows = evaluated(dataset)

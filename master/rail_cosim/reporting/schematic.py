@@ -15,7 +15,7 @@ _VERTICAL = 10.0  # px/m: heights only, along the line the window fills the widt
 
 
 class Geometry(NamedTuple):
-    """What the picture needs, in m; not a number or empty where it is not known.
+    """What the schematic needs, in m; not a number or empty where it is not known.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def geometry(run: xr.Dataset) -> Geometry:
 
 
 def drawing(found: Geometry) -> str:
-    """Return the picture as SVG; empty if not even the wheels are known."""
+    """Return the schematic as SVG; empty if not even the wheels are known."""
     if len(found.wheels) == 0:
         return ""
     low, high = found.window
