@@ -69,7 +69,7 @@ def channels(array: xr.DataArray) -> list[Channel]:
     dimension = next((str(d) for d in array.dims if d in _NUMBERED), None)
     found: list[Channel] = []
     for index in range(array.sizes[dimension] if dimension else 1):
-        one, name = array, str(array.name or "")
+        one, name = array, TITLES.get(str(array.name), str(array.name or ""))
         if dimension:
             one = array.isel({dimension: index})
             number = int(array[dimension][index]) if dimension in array.coords else index + 1

@@ -46,6 +46,9 @@ def draw_history(
     ax.set_xlabel(_VERSUS[versus])
     ax.set_ylabel(label(array))
     ax.set_xlim(float(x[0]), float(x[-1]))
+    # Above the axes: inside it would lie over a peak.
+    place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
+    ax.legend(**place, ncols=4, fontsize="small", frameon=False)
     return ax
 
 
@@ -73,6 +76,7 @@ def draw_spectrum(
     ax.set_title(f"{title(array)}, {chosen.text}", loc="left", fontsize="medium")
     ax.set_xlim(0.0, min(_HIGHEST, float(frequency[-1])))
     ax.set_ylim(bottom=0.0)
+    ax.legend(loc="upper right", fontsize="small", frameon=False)
     _passing_frequencies(ax, part)
     return ax
 
@@ -102,12 +106,10 @@ def _axes(ax: Axes | None) -> Axes:
 
 
 def _lines(ax: Axes, array: xr.DataArray, x: np.ndarray) -> None:
-    factor, drawn = shown_unit(array)[1], channels(array)
-    for name, values, colour, dash, _ in drawn:
+    factor = shown_unit(array)[1]
+    for name, values, colour, dash, _ in channels(array):
         style = _DASHES[dash]
         ax.plot(x, values.to_numpy() * factor, color=colour, ls=style, lw=0.9, label=name)
-    if len(drawn) > 1 or len(array.dims) > 1:
-        ax.legend(fontsize="small", ncols=min(4, len(drawn)))
     ax.grid(visible=True, lw=0.3, color="0.8")
 
 

@@ -73,7 +73,7 @@ def test_moving_mean_at_changing_speed():
     expected = np.sin(k * x) * np.sin(k) / k  # window of 2 m: sinc
     # Straight lines between records up to 0.09 m apart: (k dx)^2/12 low.
     np.testing.assert_allclose(found, expected, atol=(k * 0.092) ** 2 / 12.0)
-    with pytest.raises(ParameterError, match=r"window = 200\.0.*at most the way"):
+    with pytest.raises(ParameterError, match=r"window = 200\.0.*at most the distance"):
         moving_mean(data, data["distance"], window=200.0)
 
 

@@ -3,7 +3,7 @@ r"""Filters and percentiles with which EN 14363 evaluates forces and acceleratio
 ========================================  ===================================================
 quantity                                  evaluation
 ========================================  ===================================================
-lateral force Y, track shifting force,     low-pass 20 Hz, mean over 2 m (step 0.5 m at
+lateral force Y, track shifting force,    low-pass 20 Hz, mean over 2 m (step 0.5 m at
 Y/Q                                       most), percentiles 0.15 % and 99.85 %
 wheel force Q                             low-pass 20 Hz, percentile 99.85 %
 lateral acceleration in the car body,     low-pass 6 Hz

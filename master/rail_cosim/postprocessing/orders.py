@@ -50,8 +50,8 @@ def over_distance(
     Raises
     ------
     ParameterError
-        If the distance does not grow from record to record, or does not reach from start to stop, or
-        if a record is not a number.
+        If the distance does not grow from record to record, or does not reach from start to stop,
+        or if a record is not a number.
     """
     way = np.asarray(distances(dataset), dtype=float)
     if not (np.diff(way) > 0.0).all():
@@ -91,8 +91,8 @@ def order_spectrum(
 ) -> xr.DataArray:
     """Return amplitudes (half peak-to-peak) over orders of the fastener spacing.
 
-    Evaluated are the last whole number of slab lengths within the second half of the distance, or one
-    slab length where that is shorter.
+    Evaluated are the last whole number of slab lengths within the second half of the distance,
+    or one slab length where that is shorter.
 
     Parameters
     ----------

@@ -186,7 +186,7 @@ def flange_climbing(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def sum_of_guiding_forces(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the track shifting force (sum of Y) of each wheelset, to the right, (time, wheelset), N.
+    """Return the track shifting forces (sum of Y), to the right, (time, wheelset), N.
 
     Raises
     ------
