@@ -182,6 +182,23 @@ def test_the_linear_track_agrees_to_rounding(count):
     holds()
 
 
+@pytest.mark.parametrize("at_end", [False, True])
+def test_steps_of_unequal_size(at_end):
+    """Of several internal steps each; rates of the roll are never given."""
+    ride = Ride(LEVEL, 0, 1)
+    model, equations, now = TrackModel(LEVEL), TrackEquations(LEVEL), 0
+    state, mine = model.initial_state(ride.motion(0)), equations.initial_state(ride.motion(0))
+    for count in (1, 2, 5, 1, 1, 6, 2, 4):
+        motion = ride.motion(now + count * at_end, (0.0, 5e-5, 2e-5))
+        motion[:, 2] += state.static_heights
+        motion[:, 8] = 0.0
+        state, out = model.step(state, motion, count * ride.step, at_end=at_end)
+        mine, found = equations.step(mine, motion, count * ride.step, at_end=at_end)
+        scale = 1e-10 * np.abs(out.normal_force).max()
+        np.testing.assert_allclose(found.contact.normal, out.normal_force, rtol=0, atol=scale)
+        now += count
+
+
 TREAD, FLANGE, LIFTED = (
     (1e-3, 5e-5, 1e-4, 1e-3),
     (7.5e-3, 5e-5, 1e-4, 1e-3),

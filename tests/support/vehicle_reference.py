@@ -1,14 +1,14 @@
 """Reference solution of the vehicle's equations by an adaptive Runge-Kutta method.
 
-Only the matrices come from the product; the laws of the non-linear elements,
-the gyroscopic moments at changing spin and the speed ramp are written again.
+The equations are those of ``rail_vehicle.equations``, in continuous time.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 from rail_vehicle import VehicleModel, VehicleState
-from rail_vehicle.coordinates import COORDINATE_COUNT, FREE, SPINS, WHEELSET_COORDINATES
+from rail_vehicle.coordinates import COORDINATE_COUNT, FREE
+from rail_vehicle.equations import VehicleEquations
 from scipy.integrate import solve_ivp
 
 
@@ -20,20 +20,6 @@ def dashpot_rate(force, damping, limit, after):
     return linear / damping + (force - linear) / after
 
 
-def dashpot_force(rate, damping, limit, after):
-    """Force of a blow-off dashpot at a velocity; none without damping."""
-    if damping == 0.0:
-        return np.zeros_like(rate)
-    linear = np.clip(rate, -limit / damping, limit / damping)
-    return damping * linear + after * (rate - linear)
-
-
-def stop_force(elongation, clearance, stiffness, cubic):
-    """Force of a stop with free play."""
-    depth = elongation - np.clip(elongation, -clearance, clearance)
-    return stiffness * depth + cubic * depth**3
-
-
 def solve(
     model: VehicleModel,
     state: VehicleState,
@@ -43,48 +29,22 @@ def solve(
     tolerance: float = 1e-11,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return coordinates (50,), rates (50,) and yaw damper forces (4,) at the end."""
-    system, p = model.linear_system(), model.parameters
-    mass = np.diag(system.mass)
+    p = model.parameters
+    equations, yaw = VehicleEquations(p), p.yaw_damper
     moving = np.ones(COORDINATE_COUNT)
     moving[0] = 0.0
-    inertia = np.zeros(COORDINATE_COUNT)
-    inertia[6:42:6] = -mass[6:42:6] * acceleration
-    rolls, yaws = WHEELSET_COORDINATES[:, 3], WHEELSET_COORDINATES[:, 5]
-    built_in_spin = -p.speed / p.wheelset.radius
-    yaw, lateral, stop = p.yaw_damper, p.lateral_damper, p.lateral_bump_stop
     # Damper forces as elongations of their springs: one tolerance then fits all of the state.
     force_unit = yaw.series_stiffness
 
     def rates(time: float, x: np.ndarray) -> np.ndarray:
         q, v, damper = np.split(x, [COORDINATE_COUNT, 2 * COORDINATE_COUNT])
         damper = damper * force_unit
-        elongation, elongation_rate = -system.element_matrix.T @ q, -system.element_matrix.T @ v
-        element = np.concatenate(
-            [
-                damper,
-                dashpot_force(
-                    elongation_rate[4:6],
-                    lateral.damping,
-                    lateral.blow_off_force,
-                    lateral.blow_off_damping,
-                ),
-                stop_force(elongation[6:8], stop.clearance, stop.stiffness, stop.cubic_stiffness),
-            ]
-        )
-        total = (
-            system.input_matrix @ (forces(time) - model.static_forces).ravel()
-            + system.element_matrix @ element
-            - system.damping @ v
-            - system.stiffness @ q
-            + inertia
-        )
-        momentum = p.wheelset.pitch_inertia * (v[SPINS] - built_in_spin)
-        total[rolls] += momentum * v[yaws]
-        total[yaws] -= momentum * v[rolls]
+        total = equations.outside(forces(time) - equations.static_forces, acceleration)
+        total += equations.internal(q, v, damper)[0] - equations.C @ v - equations.K @ q
         dashpot = dashpot_rate(damper, yaw.damping, yaw.blow_off_force, yaw.blow_off_damping)
-        damper_rate = yaw.series_stiffness * (elongation_rate[:4] - dashpot)
+        damper_rate = yaw.series_stiffness * ((equations.N @ v)[:4] - dashpot)
         damper_rate *= yaw.damping > 0.0
-        return np.concatenate([v, moving * total / mass, damper_rate / force_unit])
+        return np.concatenate([v, moving * total / equations.M, damper_rate / force_unit])
 
     start = np.concatenate([state.coordinates, state.rates, state.yaw_damper_forces / force_unit])
     solution = solve_ivp(

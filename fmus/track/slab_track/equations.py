@@ -27,6 +27,7 @@ from slab_track.contact.equations import Contact, level_contact, no_contact, pro
 from slab_track.errors import TrackError
 from slab_track.irregularity import Irregularity
 from slab_track.matrices import LATERAL, PSI, PSI_Y, ROLL, VERTICAL, TrackMatrices
+from slab_track.motion import LEAST_SPAN
 from slab_track.parameters import TrackParameters
 from slab_track.window import place_window
 
@@ -187,7 +188,7 @@ class TrackEquations:
         ``applied_force`` (w, 2, 3) acts on the rails' heads with ``interface = applied_force``.
         """
         p, time = self.p, state.time + dt
-        state = _communicated(state, motion, time if at_end else state.time)
+        state = _communicated(state, motion, time if at_end else state.time, time)
         steps = max(1, math.ceil(dt / p.integration.maximum_step - 1e-9))
         h = dt / steps
         path = [_wheelsets(state, state.time - state.point + h * (n + 1)) for n in range(steps)]
@@ -331,12 +332,14 @@ def _unpacked(state: TrackState, coordinates: np.ndarray) -> TrackState:
     )
 
 
-def _communicated(state: TrackState, motion: np.ndarray, time: float) -> TrackState:
-    """Take in the wheelsets' ``motion`` (w, 11) at a communication point."""
-    if time != state.point:
-        state = state._replace(point_before=state.point, motion_before=state.motion, point=time)
+def _communicated(state: TrackState, motion: np.ndarray, time: float, end: float) -> TrackState:
+    """Take in the wheelsets' ``motion`` (w, 11) at a communication point, for a step to ``end``."""
+    # Of two points that are too near to extrapolate from, the earlier one makes way.
+    near = time - state.point < LEAST_SPAN * (end - time) and not math.isnan(state.point_before)
+    if time != state.point and not near:
+        state = state._replace(point_before=state.point, motion_before=state.motion)
     has_rate = state.has_rate | np.any(motion[:, 5:10] != 0.0, axis=0)
-    return state._replace(motion=motion.copy(), has_rate=has_rate)
+    return state._replace(point=time, motion=motion.copy(), has_rate=has_rate)
 
 
 def _wheelsets(state: TrackState, tau: float) -> np.ndarray:
