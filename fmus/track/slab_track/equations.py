@@ -91,9 +91,20 @@ _TOLERANCE = 1e-3
 
 
 class TrackEquations:
-    """The equations for one set of parameters; it holds constants only."""
+    """The equations for one set of parameters; it holds constants only.
+
+    Raises
+    ------
+    TrackError
+        If the window shifts otherwise than by eq. (11).
+    """
 
     def __init__(self, parameters: TrackParameters) -> None:
+        window = parameters.window
+        if window.slide_solver != "least_squares" or window.rear_taper > 0.0:
+            raise TrackError(
+                "the equations take window.slide_solver = least_squares, no rear_taper"
+            )
         self.p, self.track = parameters, TrackMatrices(parameters)
         self.irregularity = Irregularity(parameters.irregularity)
         self.jacobian = functools.lru_cache(maxsize=4)(self._jacobian)
