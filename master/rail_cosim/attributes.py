@@ -30,9 +30,15 @@ def parameter_attributes(slave: Slave) -> dict[str, Any]:
 
 
 def fmu_attributes(slave: FmuSlave) -> dict[str, Any]:
-    """Return which FMU this was."""
+    """Return which FMU this was, and which of its variables had which names of their own."""
     about = slave.description
+    renamed = {
+        name: {"name": r.own, "factor": r.factor, "offset": r.offset}
+        for name, variable in about.variables.items()
+        if (r := variable.renaming) is not None
+    }
     return {
+        **({f"{slave.name}_names": json.dumps(renamed)} if renamed else {}),
         f"{slave.name}_fmu": about.path.name,
         f"{slave.name}_model": about.model_name,
         f"{slave.name}_guid": about.guid,

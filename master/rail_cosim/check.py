@@ -11,8 +11,9 @@ from rich.text import Text
 
 from rail_cosim.archives import opened
 from rail_cosim.contract import Finding, Role, contract_findings, terminal_numbers
-from rail_cosim.description import FmuDescription, read_description, read_root
+from rail_cosim.description import FmuDescription, read_root
 from rail_cosim.manners import manners_findings
+from rail_cosim.name_map import described
 from rail_cosim.trial import trial_findings
 
 
@@ -57,18 +58,21 @@ class CheckReport:
         return not self.faults
 
 
-def check_fmu(path: Path, *, run: bool = False) -> CheckReport:
+def check_fmu(path: Path, *, run: bool = False, names: Path | None = None) -> CheckReport:
     """Check an FMU's description against the contract and against FMI 2.0.
 
     Unless ``run`` is asked for nothing is loaded, and nothing said about values
-    (see :mod:`rail_cosim.trial`).
+    (see :mod:`rail_cosim.trial`). ``names`` is a file that maps its names to those of the
+    contract (see :mod:`rail_cosim.name_map`).
 
     Raises
     ------
     FmuFileError
         If the file is no FMI 2.0 co-simulation FMU.
+    ParameterError
+        If the name map cannot be used.
     """
-    description = read_description(path)
+    description = described(path, names)
     role, contract = contract_findings(description.variables)
     if role is not None and not description.can_save_state:
         text = "absent: the algorithm iterative-gauss-seidel cannot be used"
@@ -81,7 +85,7 @@ def check_fmu(path: Path, *, run: bool = False) -> CheckReport:
         wheelsets=len(terminal_numbers(description.variables)),
         contract=contract,
         manners=manners_findings(read_root(path), members),
-        trial=trial_findings(path) if run else (),
+        trial=trial_findings(path, names) if run else (),
     )
 
 

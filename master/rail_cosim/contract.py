@@ -41,7 +41,37 @@ RAIL_HEAD: Mapping[str, str] = {
     for side in ("left", "right")
     for name, unit in (("vertical_force", "N"), ("lateral_force", "N"), ("roll_moment", "N.m"))
 }
+OUTPUTS: Mapping[Role, Mapping[str, str]] = {
+    "vehicle": {
+        "axle_box[i].left.vertical_acceleration": "m/s2",
+        "axle_box[i].right.vertical_acceleration": "m/s2",
+        "bogie[j].vertical_acceleration": "m/s2",
+        "bogie[j].lateral_acceleration": "m/s2",
+        "car_body.vertical_acceleration": "m/s2",
+        "car_body.lateral_acceleration": "m/s2",
+    },
+    "track": {
+        f"wheelset[i].{side}.{name}": unit
+        for side in ("left", "right")
+        for name, unit in (
+            ("normal_force", "N"),
+            ("longitudinal_creep_force", "N"),
+            ("lateral_creep_force", "N"),
+            ("guiding_force", "N"),
+            ("vertical_wheel_force", "N"),
+            ("penetration", "m"),
+            ("contact_angle", "rad"),
+            ("rail_vertical_displacement", "m"),
+            ("rail_lateral_displacement", "m"),
+            ("rail_roll_angle", "rad"),
+        )
+    },
+}
+"""Outputs that summary, report and evaluation read where an FMU has them, with their units; ``[i]``
+stands for the wheelset, ``[j]`` for the bogie."""
 COUNT = "wheelset_count"
+SPACING, PER_SLAB = "fastener.spacing", "fastener.count_per_slab"
+_NO_PITCH = "no evaluation by slab length (--until-steady, fastener-passing amplitudes)"
 _TERMINAL = re.compile(r"wheelset\[(\d+)\]\.(.+)$")
 
 
@@ -178,6 +208,8 @@ def _track_extras(numbers: list[int]) -> list[Expected]:
         ),
         _input_time(),
         Expected(name="interface", causality=("parameter",), kind="string", without=alone),
+        Expected(name=SPACING, causality=("parameter",), unit="m", without=_NO_PITCH),
+        Expected(name=PER_SLAB, causality=("parameter",), kind="integer", without=_NO_PITCH),
         *(
             Expected(
                 name=f"wheelset[{i}].static_vertical_displacement",
@@ -203,6 +235,19 @@ def _input_time() -> Expected:
         without="it cannot be told which end of a step its inputs stand for: use jacobi, or expect "
         "first order",
     )
+
+
+def known_units() -> dict[str, str]:
+    """Return the unit of every name of the contract, ``""`` for none."""
+    numbers = range(1, WHEELSET_LIMIT + 1)
+    units = {COUNT: ""}
+    for role in ("vehicle", "track"):
+        units |= {wanted.name: wanted.unit for wanted in expected(role, numbers)}
+        for pattern, unit in OUTPUTS[role].items():
+            for i in numbers:
+                name = pattern.replace("[i]", f"[{i}]").replace("[j]", f"[{(i + 1) // 2}]")
+                units[name] = unit
+    return units
 
 
 def contract_findings(variables: Mapping[str, Variable]) -> tuple[Role | None, list[Finding]]:

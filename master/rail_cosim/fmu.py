@@ -31,7 +31,7 @@ from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import FmuFileError, RefusalError, SlaveError, StructureError
 from rail_cosim.extraction import extract
 from rail_cosim.fmu_log import Log, deliver
-from rail_cosim.slave import Message, Status, Value, Variable
+from rail_cosim.slave import Message, Renaming, Status, Value, Variable
 
 _VECTOR_CALL = ctypes.CFUNCTYPE(
     ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p
@@ -49,6 +49,7 @@ _GETTERS = {
 _WORST_USABLE = Status.WARNING
 _BUFFER = {"real": np.float64, "integer": np.int32}
 HELD_ERROR = "status.message"
+_SAME = Renaming(name="", own="")
 
 
 def _receive(number: Any, instance: bytes, status: int, category: bytes, text: bytes) -> None:
@@ -81,6 +82,10 @@ class FmuVector:
         references = [slave.variables[name].reference for name in self.names]
         self._references = np.array(references, dtype=np.uint32)  # keeps the memory alive
         self._reference_pointer = ctypes.c_void_p(self._references.ctypes.data)
+        renamings = [slave.variables[name].renaming or _SAME for name in self.names]
+        self._raw = np.zeros(len(self.names)) if any(r.scales for r in renamings) else None
+        self._factors = np.array([r.factor for r in renamings])
+        self._offsets = np.array([r.offset for r in renamings])
         self.place(self.values)
         word = kind.capitalize()
         self._getter, self._setter = f"fmi2Get{word}", f"fmi2Set{word}"
@@ -90,7 +95,8 @@ class FmuVector:
     def place(self, buffer: NDArray) -> None:
         """Take this array, of the same shape and type, as the buffer."""
         self.values = buffer
-        self._value_pointer = ctypes.c_void_p(buffer.ctypes.data)
+        exchanged = buffer if self._raw is None else self._raw
+        self._value_pointer = ctypes.c_void_p(exchanged.ctypes.data)
 
     def addresses(self) -> tuple[int, int, int, int]:
         """Return where getter, setter, value references and buffer are in memory."""
@@ -108,11 +114,16 @@ class FmuVector:
         )
         if status > _WORST_USABLE:
             self._slave.fail(self._getter, status)
+        if self._raw is not None:
+            scaled = self._factors[:number] * self._raw[:number] + self._offsets[:number]
+            self.values[:number] = scaled
 
     def write(self) -> None:
         """Copy the buffer into the FMU."""
         if self._count == 0:
             return
+        if self._raw is not None:
+            self._raw[:] = (self.values - self._offsets) / self._factors
         status = self._set(
             self._slave.component, self._reference_pointer, self._count, self._value_pointer
         )
@@ -207,6 +218,11 @@ class FmuSlave:
         """All variables by name."""
         return self.description.variables
 
+    @property
+    def scales(self) -> bool:
+        """Whether values are converted on their way to or from the FMU."""
+        return any(variable.scaled for variable in self.variables.values())
+
     def vector(self, names: Sequence[str], kind: Literal["real", "integer"] = "real") -> FmuVector:
         """Return a vector of variables, all of one kind."""
         return FmuVector(self, names, kind)
@@ -219,6 +235,9 @@ class FmuSlave:
             if chosen:
                 values = self._call(getter, [self.variables[name].reference for name in chosen])
                 found.update(zip(chosen, map(_python_value(kind), values), strict=True))
+        for name in found:
+            if (renaming := self.variables[name].renaming) is not None and renaming.scales:
+                found[name] = renaming.to_contract(found[name])
         return {name: found[name] for name in names}
 
     def set(self, values: Mapping[str, Value]) -> None:
@@ -226,6 +245,8 @@ class FmuSlave:
         for name, value in values.items():
             variable = self.variables[name]
             setter = _GETTERS[variable.kind].replace("get", "set")
+            if variable.renaming is not None and variable.renaming.scales:
+                value = variable.renaming.to_own(value)
             self._call(setter, [variable.reference], [value])
 
     def setup(self, start_time: float, stop_time: float) -> None:
@@ -316,7 +337,10 @@ class FmuSlave:
     def _names_parameter(self, messages: Sequence[Message]) -> bool:
         """Whether the FMU says which of its parameters it does not like."""
         words = {word for m in messages for word in re.findall(r"[\w.\[\]]*\w", m.text)}
-        return any(v.causality == "parameter" and v.name in words for v in self.variables.values())
+        return any(
+            v.causality == "parameter" and (v.renaming.own if v.renaming else v.name) in words
+            for v in self.variables.values()
+        )
 
     def close(self) -> None:
         """Terminate and release the instance; does nothing the second time.

@@ -30,6 +30,9 @@ class RunOptions:
         Parameter set of the vehicle FMU, or the path of another vehicle FMU.
     track
         Path of another track FMU.
+    vehicle_map, track_map
+        Files that map the names of these FMUs to those of the contract (see
+        :mod:`rail_cosim.name_map`); ``None`` where they have those names.
     speed
         In km/h; ``None`` for the vehicle's own.
     distance
@@ -77,6 +80,8 @@ class RunOptions:
     line: str | None = None
     vehicle: str | None = None
     track: Path | None = None
+    vehicle_map: Path | None = None
+    track_map: Path | None = None
     speed: float | None = None
     distance: float = 100.0
     until_steady: float | None = None
@@ -105,6 +110,13 @@ class RunOptions:
                 if value is not None:
                     limit = f"{self.system} has vehicle, track and their parameters"
                     raise ParameterError(name, str(value), limit, "change single ones with --set")
+        for name, names, fmu in (
+            ("vehicle", self.vehicle_map, self.vehicle),
+            ("track", self.track_map, self.track),
+        ):
+            if names is not None and fmu is None:
+                limit = "it maps the names of another FMU, and none is given"
+                raise ParameterError(f"--{name}-map", str(names), limit, f"add --{name} FMU")
         limits = (
             ("--distance", self.distance, "m"),
             ("--macro-step", self.macro_step, "s"),

@@ -28,12 +28,13 @@ from rail_cosim.attributes import (
 )
 from rail_cosim.builder import RECIPES, built_fmu
 from rail_cosim.checkpoint import INTERVAL
-from rail_cosim.description import FmuDescription, read_description
+from rail_cosim.description import FmuDescription
 from rail_cosim.errors import RunError, RunInterrupted
 from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import PASSED, POSITION, SPEED, initialise
 from rail_cosim.interrupts import InterruptNote
 from rail_cosim.irregularity import SPACING, check_joint, irregularity_parameters
+from rail_cosim.name_map import described
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.pace import planned_time, running_speed, step_count
 from rail_cosim.parameters import checked, number_of, parse_assignments
@@ -62,6 +63,8 @@ def run(
     line: str | None = None,
     vehicle: str | Path | None = None,
     track: str | Path | None = None,
+    vehicle_map: str | Path | None = None,
+    track_map: str | Path | None = None,
     speed: float | None = None,
     distance: float = 100.0,
     until_steady: float | None = None,
@@ -94,6 +97,8 @@ def run(
         of another vehicle FMU.
     track
         Path of another track FMU.
+    vehicle_map, track_map
+        TOML files that map the names of these FMUs to those of the contract.
     speed
         Running speed in km/h; the vehicle's own unless given.
     distance
@@ -152,6 +157,8 @@ def run(
         line=line,
         vehicle=None if vehicle is None else str(vehicle),
         track=None if track is None else Path(track),
+        vehicle_map=None if vehicle_map is None else Path(vehicle_map),
+        track_map=None if track_map is None else Path(track_map),
         speed=speed,
         distance=distance,
         until_steady=until_steady,
@@ -224,12 +231,13 @@ def find_fmus(
     """Return the descriptions of ``track`` and ``vehicle``, and the presets asked for."""
     presets = {"track": options.line} if options.line else {}
     files: dict[str, Path | None] = {"track": options.track, "vehicle": None}
+    maps = {"track": options.track_map, "vehicle": options.vehicle_map}
     if options.vehicle and (options.vehicle.endswith(".fmu") or Path(options.vehicle).is_file()):
         files["vehicle"] = Path(options.vehicle)
     elif options.vehicle:
         presets["vehicle"] = options.vehicle
     found = {name: file or built_fmu(RECIPES[name]) for name, file in files.items()}
-    return {name: read_description(file) for name, file in found.items()}, presets
+    return {name: described(file, maps[name]) for name, file in found.items()}, presets
 
 
 def gather_parameters(

@@ -169,7 +169,10 @@ class Simulation:
 
     def _compiled(self) -> March | None:
         order = self._algorithm.order
-        fmus = all(isinstance(slave, FmuSlave) for slave in self._system.slaves)
+        # Compiled steps hand the FMUs' numbers on as they are.
+        fmus = all(
+            isinstance(slave, FmuSlave) and not slave.scales for slave in self._system.slaves
+        )
         if not fmus or order not in ("sequential", "simultaneous"):
             return None
         return March(

@@ -37,6 +37,42 @@ class Message:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
+class Renaming:
+    """Which variable of an FMU stands for a name of the contract.
+
+    Attributes
+    ----------
+    name
+        In the contract.
+    own
+        In the FMU.
+    factor, offset
+        A value of the contract is ``factor`` times that of the FMU plus ``offset``.
+    converted
+        Whether it then has the contract's unit; else it has the one that the FMU declares.
+    """
+
+    name: str
+    own: str
+    factor: float = 1.0
+    offset: float = 0.0
+    converted: bool = False
+
+    @property
+    def scales(self) -> bool:
+        """Whether the numbers differ."""
+        return (self.factor, self.offset) != (1.0, 0.0)
+
+    def to_contract(self, value: Any) -> Any:
+        """Return the contract's value for that of the FMU, a number or an array."""
+        return self.factor * value + self.offset
+
+    def to_own(self, value: Any) -> Any:
+        """Return the FMU's value for that of the contract, a number or an array."""
+        return (value - self.offset) / self.factor
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, slots=True)
 class Variable:
     """A variable as the slave's description declares it.
 
@@ -52,6 +88,9 @@ class Variable:
         empty for any text.
     reference
         FMI value reference; only the slave itself uses it.
+    renaming
+        Where it came by this name, ``None`` if the description has it; all other attributes
+        are then those of the contract's value (see :mod:`rail_cosim.name_map`).
     """
 
     name: str
@@ -65,6 +104,12 @@ class Variable:
     maximum: float | None = None
     choices: Mapping[str, int] = dataclasses.field(default_factory=dict)
     reference: int = 0
+    renaming: Renaming | None = None
+
+    @property
+    def scaled(self) -> bool:
+        """Whether its values are not the numbers that the FMU has."""
+        return self.renaming is not None and self.renaming.scales
 
 
 class Vector(Protocol):

@@ -14,6 +14,7 @@ from rail_cosim.builder import child_environment
 from rail_cosim.contract import Finding, Role, role_of, terminal_numbers
 from rail_cosim.errors import RailCosimError
 from rail_cosim.fmu import FmuSlave
+from rail_cosim.name_map import described
 
 STEP, STEPS = 1e-4, 20
 LONGEST = 300.0  # s; kernels may have to be compiled
@@ -22,13 +23,14 @@ _SLOWEST = 1.0  # m/s; below it a wheel's spin says nothing
 Text = tuple[str, str]
 
 
-def trial_findings(path: Path) -> list[Finding]:
+def trial_findings(path: Path, names: Path | None = None) -> list[Finding]:
     """Run an FMU for a few steps from its own start values and say what went wrong.
 
     It runs in a process of its own, so whatever it does there, a crash or an
-    endless loop, is a finding too.
+    endless loop, is a finding too. ``names`` is its name map, if it has one.
     """
-    command = [sys.executable, "-m", "rail_cosim.trial", str(path)]
+    files = [path] if names is None else [path, names]
+    command = [sys.executable, "-m", "rail_cosim.trial", *map(str, files)]
     try:
         done = subprocess.run(
             command,
@@ -54,10 +56,10 @@ def _fault(subject: str, text: str) -> Finding:
     return Finding(level="fault", subject=subject, text=text)
 
 
-def try_out(path: Path) -> Iterator[Text]:
+def try_out(path: Path, names: Path | None = None) -> Iterator[Text]:
     """Run an FMU alone in this process; yield subject and text of each fault."""
     try:
-        with FmuSlave(path, "trial") as slave:
+        with FmuSlave(path, "trial", description=described(path, names)) as slave:
             slave.setup(0.0, STEPS * STEP)
             slave.enter_initialization()
             slave.exit_initialization()
@@ -135,8 +137,8 @@ def _rollback(slave: FmuSlave) -> Iterator[Text]:
 
 
 def main() -> None:
-    """Print the faults of the FMU named on the command line, one JSON list each."""
-    for fault in try_out(Path(sys.argv[1])):
+    """Print the faults of the FMU on the command line, perhaps with its name map, as JSON lists."""
+    for fault in try_out(*map(Path, sys.argv[1:])):
         print(json.dumps(fault), flush=True)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from described_fmus import FORCES, MOTION
 from runs import GOLDEN, run
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "single_wheelset"
@@ -78,3 +79,71 @@ def test_on_its_suspension_it_carries_the_same_load(fmus, wheelset, tmp_path):
     assert forces[0][-600:].mean() == pytest.approx(load, rel=1e-3)
     swing = np.ptp(forces[0][-600:])
     assert np.abs(forces[0] - forces[1])[-600:].max() < 0.02 * swing
+
+
+FOREIGN = {  # the same wheelset by other names, its height up in mm, the force up in kN
+    'W = "wheelset[1]."': 'W = "ws1_"',
+    'f"{W}contact.{name}"': 'f"{W}{name}"',
+    '{W}contact.vertical_force"] +': '{W}vertical_force"] * -1e3 +',
+    "start=-2.0 * load if": "start=2e-3 * load if",
+    'f"{W}vertical_displacement"] = float(': 'f"{W}vertical_displacement"] = -1e3 * float(',
+    "    speed: float": "    v0: float",
+    "p.speed": "p.v0",
+    "SingleWheelset": "Foreign",
+}
+NAMES = """
+[names]
+speed = "v0"
+"wheelset[{i}].initial_vertical_displacement" = "ws{i}_initial_vertical_displacement"
+"wheelset[{i}].vertical_displacement" = { name = "ws{i}_vertical_displacement", factor = -1e-3 }
+"wheelset[{i}].contact.vertical_force" = { name = "ws{i}_vertical_force", factor = -1e3 }
+"""
+
+
+@pytest.fixture(scope="module")
+def foreign(fmus, tmp_path_factory):
+    """Build a copy of the example whose variables have names, signs and units of their own."""
+    folder = tmp_path_factory.mktemp("foreign")
+    script = (EXAMPLE / "single_wheelset_fmu.py").read_text(encoding="utf-8")
+    for ours, theirs in FOREIGN.items():
+        assert ours in script
+        script = script.replace(ours, theirs)
+    (folder / "single_wheelset_fmu.py").write_text(script, encoding="utf-8")
+    build = (EXAMPLE / "build.py").read_text(encoding="utf-8")
+    (folder / "build.py").write_text(build, encoding="utf-8")
+    command = [sys.executable, folder / "build.py", folder]
+    subprocess.run(command, env=fmus.environment(), check=True)
+    lines = [
+        f'"wheelset[{{i}}].{name}" = "ws{{i}}_{name}"'
+        for name in MOTION
+        if name != "vertical_displacement"
+    ]
+    lines += [
+        f'"wheelset[{{i}}].{name}" = "ws{{i}}_{name.removeprefix("contact.")}"'
+        for name in FORCES
+        if name != "contact.vertical_force"
+    ]
+    (folder / "names.toml").write_text("\n".join([NAMES, *lines]), encoding="utf-8")
+    return folder / "Foreign.fmu", folder / "names.toml"
+
+
+def test_a_foreign_vehicle_runs_by_a_map_of_its_names(fmus, wheelset, foreign, tmp_path):
+    """Other names, signs and units give the same wheel force to rounding."""
+    fmu, names = foreign
+    assert "neither a vehicle nor a track" in fmus.command("check", fmu, status=(1,)).stdout
+    checked = fmus.command("check", fmu, "--map", names, "--run")
+    assert "is a vehicle with 1 wheelset and satisfies the contract" in checked.stdout
+    found = []
+    for number, options in enumerate(([wheelset], [fmu, "--vehicle-map", names])):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        more = ("--speed", 250, "--distance", 3, "--trust")
+        found.append(run(fmus, folder, "--vehicle", *options, *more))
+    ours, theirs = (one["normal_force"] for one in found)
+    assert np.ptp(ours) > 500.0
+    assert np.abs(theirs - ours).max() < 1e-6
+    kept = json.loads(found[1].data.attrs["vehicle_names"])
+    assert kept["wheelset[1].contact.vertical_force"]["factor"] == -1e3
+    height = found[1].data["wheelset_vertical_displacement"]
+    assert height.attrs["units"] == "m"
+    assert np.abs(height - found[0].data["wheelset_vertical_displacement"]).max() < 1e-12

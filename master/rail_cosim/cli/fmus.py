@@ -49,6 +49,7 @@ def build(
 @app.command(
     epilog=examples(
         "rail-cosim check my_vehicle.fmu",
+        "rail-cosim check my_vehicle.fmu --map my_names.toml --run",
     )
 )
 def check(
@@ -61,6 +62,14 @@ def check(
             "are programs.",
         ),
     ] = False,
+    names: Annotated[
+        Path | None,
+        typer.Option(
+            "--map",
+            help="Its names where they are not the contract's.",
+            metavar="FILE.toml",
+        ),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Say whether an FMU can be the vehicle or the track of a run.
@@ -73,7 +82,7 @@ def check(
     from rail_cosim.check import check_fmu, check_table, verdict
 
     with plain_errors():
-        report = check_fmu(fmu, run=run)
+        report = check_fmu(fmu, run=run, names=names)
     if any(report.parts.values()):
         show(check_table(report))
     say(verdict(report))

@@ -65,6 +65,17 @@ def run(
         ),
     ] = None,
     track: Annotated[Path | None, typer.Option(help="Another track FMU.", metavar="FMU")] = None,
+    vehicle_map: Annotated[
+        Path | None,
+        typer.Option(
+            help="Names of that vehicle FMU, where they are not those of the contract.",
+            metavar="FILE.toml",
+        ),
+    ] = None,
+    track_map: Annotated[
+        Path | None,
+        typer.Option(help="The same for the track FMU.", metavar="FILE.toml"),
+    ] = None,
     speed: Annotated[float | None, typer.Option(help="Running speed.", metavar="KM/H")] = None,
     distance: Annotated[
         float, typer.Option(help="Way of the leading wheelset.", metavar="M")
@@ -182,6 +193,8 @@ def run(
             "line": line,
             "vehicle": vehicle,
             "track": track,
+            "vehicle_map": vehicle_map,
+            "track_map": track_map,
             "speed": speed,
             "distance": distance,
             "until_steady": until_steady,

@@ -16,7 +16,7 @@ from rail_cosim.errors import UnknownNameError
 from rail_cosim.options import RunOptions
 from rail_cosim.results import place
 from rail_cosim.runner import find_fmus, gather_parameters
-from rail_cosim.slave import Value
+from rail_cosim.slave import Renaming, Value
 from rail_cosim.sweeps.specification import SweepSpecification
 from rail_cosim.window import WindowChoice
 
@@ -28,10 +28,20 @@ _DATE = re.compile(rb'generationDateAndTime="[^"]*"')
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FmuFile:
-    """An FMU, known by its content: its file's name, and a hash of all but the build date."""
+    """An FMU, known by its content: its file's name, and a hash of all but the build date.
+
+    ``renamings`` are its variables that have other names in the contract.
+    """
 
     name: str
     identity: str
+    renamings: tuple[Renaming, ...] = ()
+
+    @property
+    def key(self) -> object:
+        """What the result depends on."""
+        renamings = [dataclasses.astuple(one) for one in self.renamings]
+        return [self.identity, renamings] if renamings else self.identity
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -64,7 +74,7 @@ class Task:
         options = self.options
         content = {
             "format": FORMAT,
-            "fmus": {name: file.identity for name, file in self.fmus.items()},
+            "fmus": {name: file.key for name, file in self.fmus.items()},
             "parameters": {
                 owner: {name: _fingerprint(value) for name, value in sorted(values.items())}
                 for owner, values in self.parameters.items()
@@ -118,7 +128,8 @@ def make_plan(specification: SweepSpecification) -> Plan:
     tasks: list[Task] = []
     for point in specification.all_points():
         options = specification.options(point)
-        which = (options.line, options.vehicle, options.track)
+        maps = (options.vehicle_map, options.track_map)
+        which = (options.line, options.vehicle, options.track, *maps)
         if which not in found:
             found[which] = _find(options)
             _check_variables(specification, found[which].descriptions)
@@ -153,7 +164,11 @@ class _Found:
 def _find(options: RunOptions) -> _Found:
     descriptions, presets = find_fmus(options)
     files = {
-        name: FmuFile(name=about.path.name, identity=identity(about.path))
+        name: FmuFile(
+            name=about.path.name,
+            identity=identity(about.path),
+            renamings=tuple(v.renaming for v in about.variables.values() if v.renaming),
+        )
         for name, about in descriptions.items()
     }
     return _Found(descriptions=descriptions, presets=presets, files=files)

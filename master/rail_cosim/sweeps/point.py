@@ -13,6 +13,7 @@ from rail_cosim.description import FmuDescription, read_description
 from rail_cosim.errors import RailCosimError
 from rail_cosim.events import events_outside
 from rail_cosim.extremes import extremes
+from rail_cosim.name_map import renamed
 from rail_cosim.runner import simulate
 from rail_cosim.sweeps.plan import FmuFile, Task
 from rail_cosim.sweeps.quantities import evaluate, histories, window_of
@@ -72,7 +73,10 @@ def run_point(task: Task) -> PointResult:
     """Run one point; whatever the FMUs say against it is in the result."""
     remarks = _Remarks()
     try:
-        descriptions = {name: _description(received(file)) for name, file in task.fmus.items()}
+        descriptions = {
+            name: renamed(_description(received(file)), file.renamings)
+            for name, file in task.fmus.items()
+        }
         run, outcome = simulate(task.options, descriptions, task.parameters, remarks)
         if outcome.error is not None:
             raise outcome.error

@@ -20,6 +20,8 @@ RUN_OPTIONS = (
     "line",
     "vehicle",
     "track",
+    "vehicle_map",
+    "track_map",
     "speed",
     "distance",
     "until_steady",
@@ -174,8 +176,9 @@ class SweepSpecification:
         for name in ("vehicle", "irregularity"):
             value = given.get(name)
             given[name] = None if value is None else located(str(value), self.folder)
-        if given.get("track") is not None:
-            given["track"] = (self.folder or Path()) / Path(given["track"]).expanduser()
+        for name in ("track", "vehicle_map", "track_map"):
+            if given.get(name) is not None:
+                given[name] = (self.folder or Path()) / Path(given[name]).expanduser()
         usual = UNTIL_STEADY if given.get("irregularity") is None else None
         # false or 0: the whole distance
         given["until_steady"] = given.get("until_steady", usual) or None
