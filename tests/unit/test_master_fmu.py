@@ -121,7 +121,7 @@ def dataset(ran, name):
 def test_a_run_prints_the_summary_and_writes_data_and_picture(ran):
     status, out, err = ran[1]["steady"]
     assert (status, err) == (0, "")
-    for expected in ("3 whole slab lengths", "132.5 Hz", "real-time factor", "energy defect"):
+    for expected in ("3 whole slab lengths", "132.5 Hz", "real-time factor", "energy residual"):
         assert expected in out
     data = dataset(ran, "steady.nc")
     assert data.attrs["complete"] == 1
