@@ -15,7 +15,7 @@ from slab_track.equations import TrackEquations
 from slab_track.irregularity import IrregularityParameters
 from slab_track.irregularity.parameters import RailJointParameters
 from slab_track.kernel import PHASES
-from slab_track.matrices import PHI, VERTICAL, Y, Z
+from slab_track.matrices import PHI, PSI, VERTICAL, Y, Z
 from slab_track.parameters import Fastener, Rail, Slab, SlabSupport, Window
 
 SMALL = TrackParameters(
@@ -70,8 +70,9 @@ class Ride:
         time = n * self.step
         row = np.zeros((self.p.wheelset_count, 11))
         row[:, 0], row[:, 5] = self.x + self.speed * time, self.speed
-        row[:, 10] = -self.speed / self.p.contact.wheel_radius
         angle, begin = self.rates * time + self.phases, min(n / 4.0, 1.0) if n else 0.0
+        slip = 2e-3 * begin * np.sin(angle[:, 0])
+        row[:, 10] = -self.speed / self.p.contact.wheel_radius * (1.0 + slip)
         for i, half in enumerate(size, start=1):
             row[:, i] = begin * half * np.sin(angle[:, i])
             row[:, i + 5] = begin * half * self.rates[:, i] * np.cos(angle[:, i])
@@ -85,19 +86,23 @@ def pads_of(state):
 
 
 def waves_of(p, state):
-    """Amplitudes of both rails' waves: vertical, lateral, roll; each (3, 2, N)."""
+    """Amplitudes of both rails' waves: vertical, its rotation, lateral, roll; each (3, 2, N)."""
     mass = 0.5 * p.window_length * p.rail.density
     aside, roll = np.sqrt(mass * p.rail.area), np.sqrt(mass * p.rail.polar_second_moment)
-    return [state.rails[:, :, i] / of for i, of in ((Z, aside), (Y, aside), (PHI, roll))]
+    tilt = np.sqrt(mass * p.rail.vertical_second_moment)
+    fields = (Z, aside), (PSI, tilt), (Y, aside), (PHI, roll)
+    return [state.rails[:, :, i] / of for i, of in fields]
 
 
 def waves_of_product(model, state):
     """As :func:`waves_of`, of a product's state."""
-    classes = state.symmetric.rail, state.antisymmetric.rail
-    even, odd = (np.sum(model.linear.rail.deflection * rail, axis=1) for rail in classes)
+    rail = model.linear.rail
+    even, odd = state.symmetric.rail, state.antisymmetric.rail
+    left_right = np.sqrt(0.5) * np.stack([even - odd, even + odd], axis=1)
     aside, sideways = model.lateral.bending.deflection, np.swapaxes(state.rails, 0, 1)
     return (
-        np.sqrt(0.5) * np.stack([even - odd, even + odd], axis=1),
+        np.sum(rail.deflection * left_right, axis=2),
+        np.sum(rail.rotation * left_right, axis=2),
         np.sum(aside * sideways[:, :, :2], axis=2),
         model.lateral.torsion_amplitude * sideways[:, :, 2],
     )
@@ -178,6 +183,10 @@ def test_the_linear_track_agrees_to_rounding(count):
         for mine_, theirs in zip(waves_of(p, mine), waves_of_product(model, state), strict=True):
             scale = 1e-10 * np.abs(theirs).max(axis=(1, 2), keepdims=True)
             assert np.all(np.abs(mine_ - theirs) <= scale)
+        for is_even, slabs in ((True, state.symmetric.slab), (False, state.antisymmetric.slab)):
+            of = equations.track.plate.even == is_even
+            scale = 1e-10 * np.abs(slabs).max(axis=(1, 2), keepdims=True)
+            assert np.all(np.abs(mine.slabs[:, :, of] - slabs) <= scale)
 
     holds()
 
