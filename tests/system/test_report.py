@@ -38,5 +38,5 @@ def test_refusal_is_one_line(fmus, tmp_path):
     (tmp_path / "no.nc").write_text("x")
     said = fmus.command("report", tmp_path / "no.nc", status=(2,)).stderr
     assert said.startswith("rail-cosim: error: ")
-    assert "is no NetCDF file" in said
+    assert "is not a NetCDF file" in said
     assert said.count("\n") == 1
