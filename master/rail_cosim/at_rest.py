@@ -12,7 +12,7 @@ from rail_cosim.fmu import FmuSlave
 from rail_cosim.initialisation import PASSED, initialise
 from rail_cosim.parameters import checked
 from rail_cosim.presets import read_preset
-from rail_cosim.slave import Slave, Value
+from rail_cosim.slave import Slave, Value, Variable
 from rail_cosim.system import SystemStructure
 
 _HEIGHT = ".initial_vertical_displacement"
@@ -25,8 +25,9 @@ def values_at_rest(
 
     A master that knows the pair passes the vehicle's wheel load and radius to
     the track, and the wheelsets' resting heights back, while it initialises
-    them. Most tools pass on inputs only: they need these values as parameters. The inputs
-    are among the values too, so that both start with what the other says at rest.
+    them. Most tools pass on inputs only: they need these values as parameters. All real
+    inputs are among the values too, so that both start with what the other says at rest,
+    and a tool has a value for those that nothing is connected with.
 
     Raises
     ------
@@ -50,9 +51,13 @@ def values_at_rest(
         initialise(system, parameters=parameters, input_times=times, stop_time=1.0)
         heights = [name for name in slaves["vehicle"].variables if name.endswith(_HEIGHT)]
         told = {"track": list(PASSED.values()), "vehicle": heights}
-        for connection in system.connections:
-            told[connection.target].append(connection.name)
+        for name, description in descriptions.items():
+            told[name] += [v.name for v in description.variables.values() if _is_signal(v)]
         return {name: _values(slaves[name], names) for name, names in told.items()}
+
+
+def _is_signal(variable: Variable) -> bool:
+    return variable.causality == "input" and variable.kind == "real"
 
 
 def _values(slave: Slave, names: list[str]) -> dict[str, Value]:

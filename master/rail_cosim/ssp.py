@@ -11,6 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from rail_cosim.connections import Connection, connect
 from rail_cosim.description import FmuDescription, read_description
+from rail_cosim.options import MACRO_STEP
 from rail_cosim.presets import preset_files
 from rail_cosim.slave import Value, Variable
 from rail_cosim.ssv import SSC as _SSC
@@ -18,6 +19,9 @@ from rail_cosim.ssv import add_units, parameter_set
 
 _ROOT = "http://ssp-standard.org/SSP1/"
 _SSD = f"{{{_ROOT}SystemStructureDescription}}"
+_OSP = "{http://opensimulationplatform.com/SSP/OSPAnnotations}"
+STOP_TIME = 1.0
+"""What a tool simulates unless it is told, s."""
 START = "start"
 SYSTEM_START = "system-start"
 _KEEP_FIRST_INPUTS = "coupling.keep_first_inputs"
@@ -95,7 +99,7 @@ def structure(
 
     Components have a connector for every real output and for every input that
     is connected. Inputs that nothing feeds are left out, as the standard
-    allows: some tools take any listed input for connected.
+    allows: some tools (fmpy) give 0 to any input that is listed.
 
     Parameters
     ----------
@@ -107,7 +111,7 @@ def structure(
         For a component the ``.ssv`` files bound to it, as paths in the package;
         later ones win.
     """
-    for prefix, space in (("ssd", _SSD), ("ssc", _SSC)):
+    for prefix, space in (("ssd", _SSD), ("ssc", _SSC), ("osp", _OSP)):
         ElementTree.register_namespace(prefix, space.strip("{}"))
     connections, _ = connect({name: d.variables for name, d in descriptions.items()})
     root = Element(f"{_SSD}SystemStructureDescription", {"version": "1.0", "name": title})
@@ -118,11 +122,22 @@ def structure(
         used |= _component(elements, name, description, connections, bindings.get(name, ()))
     _connections(system, connections)
     _units(root, used, descriptions.values())
-    SubElement(root, f"{_SSD}DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
+    _experiment(root)
     ElementTree.indent(root)
     buffer = io.BytesIO()
     ElementTree.ElementTree(root).write(buffer, encoding="utf-8", xml_declaration=True)
     return buffer.getvalue()
+
+
+def _experiment(root: Element) -> None:
+    """Add span and step of time; SSP 1.0 has no field for the step, so it is OSP's annotation."""
+    span = {"startTime": "0.0", "stopTime": repr(STOP_TIME)}
+    experiment = SubElement(root, f"{_SSD}DefaultExperiment", span)
+    annotations = SubElement(experiment, f"{_SSD}Annotations")
+    about = {"type": "com.opensimulationplatform"}
+    annotation = SubElement(annotations, f"{_SSC}Annotation", about)
+    algorithm = SubElement(annotation, f"{_OSP}Algorithm")
+    SubElement(algorithm, f"{_OSP}FixedStepAlgorithm", {"baseStepSize": repr(MACRO_STEP)})
 
 
 def _component(

@@ -67,6 +67,7 @@ def test_description_says_what_the_table_says():
     names = [v.get("name") for v in root.find("ModelVariables")]
     unknown = [names[int(u.get("index")) - 1] for u in root.find("ModelStructure/InitialUnknowns")]
     assert unknown == ["omega", "position", "velocity", "steps", "moving", "say"]
+    assert root.find("DefaultExperiment").attrib == {"startTime": "0.0", "stepSize": "0.001"}
 
 
 def test_rebuild_is_identical(tmp_path):
@@ -105,7 +106,10 @@ def test_contents():
         b"numba>=0.60",
     ]
     assert b"| `spring.law` | parameter | string |" in member("documentation/variables.md")
-    assert b"Deflection" in member("documentation/index.html")
+    page = member("documentation/index.html").decode()
+    for words in ("Deflection", "Python 3.11 or newer", "numba&gt;=0.60", "LD_PRELOAD", "stiff?"):
+        assert words in page, words
+    assert b"MIT License" in member("documentation/licenses/pythonfmu.txt")
 
 
 def test_build_leaves_the_process_as_it_was(tmp_path):

@@ -3,6 +3,7 @@
 import zipfile
 
 import pytest
+from fmpy import read_model_description
 from fmpy.ssp.ssd import find_components, get_connections, read_ssd, read_ssv
 from fmpy.validation import validate_fmu
 from tool_hosts import STEPS, refusal_of_fmpy_ssp, run_fmpy_ssp
@@ -24,6 +25,16 @@ def test_package_satisfies_the_ssp_schemas(pair):
     assert len(list(get_connections(ssd.system))) == 4 * (11 + 6)
     bound = [b.source for b in components["track"].parameterBindings]
     assert bound == ["resources/track-HD.ssv", "resources/track-start.ssv"]
+    for owner in ("track", "vehicle"):  # a value for what nothing is connected with, too
+        start = read_ssv(str(pair.ssp), resource=f"resources/{owner}-start.ssv")
+        with zipfile.ZipFile(pair.ssp) as archive, archive.open(components[owner].source) as fmu:
+            about = read_model_description(fmu)
+        inputs = {
+            v.name for v in about.modelVariables if (v.causality, v.type) == ("input", "Real")
+        }
+        assert inputs <= {parameter.name for parameter in start.parameters}
+        experiment = about.defaultExperiment
+        assert (experiment.stopTime, experiment.stepSize) == ("1.0", "0.0001")
 
 
 @pytest.mark.parametrize(("owner", "name"), [(o, n) for o, names in SETS.items() for n in names])

@@ -147,3 +147,12 @@ def test_cache_follows_the_platform(monkeypatch, tmp_path, platform, variable, w
     monkeypatch.setattr(sys, "platform", platform)
     monkeypatch.setenv(variable, str(tmp_path))
     assert bundle.cache_folder() == tmp_path / wanted
+
+
+def test_old_python_is_refused_before_anything_is_imported(resources, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "version_info", (3, 10, 12, "final", 0))
+    with pytest.raises(
+        bundle.BundleError, match=r"needs Python 3\.11 or newer, .* Python 3\.10\.12"
+    ):
+        bundle.prepare({}, {"a_package_that_is_nowhere": ""})
+    assert "this host embeds Python 3.10.12" in capsys.readouterr().err

@@ -227,3 +227,29 @@ def test_the_fmu_tells_the_instant_at_which_the_vehicle_flies():
     assert ".vertical_displacement = -5.0" in why
     heights = vehicle.indices([f"wheelset[{i}].vertical_displacement" for i in range(1, 5)])
     assert -5.0 < vehicle.reals[heights].min() < -4.9
+
+
+@pytest.mark.parametrize(
+    ("speed", "setpoints", "told"),
+    [
+        (None, [0.0, 0.0], 1),  # a tool that gives 0 to what is not connected
+        (None, [None, 0.0], 1),  # from the second step on
+        (70.0, [0.0], 1),
+        (70.0, [None, None], 0),  # it follows the parameter
+        (70.0, [70.0, 70.5, 72.0], 0),  # a ramp
+    ],
+)
+def test_set_point_far_from_the_speed_is_told(speed, setpoints, told):
+    slave = VehicleSlave(instance_name="test", resources=None)
+    slave.enter_initialization_mode()
+    if speed:
+        slave.values["speed"] = speed
+    slave.exit_initialization_mode()
+    for number, setpoint in enumerate(setpoints):
+        if setpoint is not None:
+            slave.values["speed_setpoint"] = setpoint
+        assert slave.do_step(number * 1e-4, 1e-4), slave.held_error
+    warnings = [message.msg for message in slave.log_queue if message.status == 1]
+    assert len(warnings) == told
+    if told:
+        assert f"speed_setpoint = 0 m/s, speed = {speed or 83.3333:g} m/s: " in warnings[0]

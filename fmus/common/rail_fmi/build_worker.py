@@ -17,13 +17,14 @@ def main(stage: Path, entry: str, out: Path) -> None:
     entry
         Module name of the entry script in it.
     out
-        Folder for the FMU.
+        Folder for the FMU; beside it is ``documentation``, to which documents are added.
     """
     sys.path.insert(0, str(stage))
     script = stage / f"{entry}.py"
     model: Any = get_model_class(script)  # loads the packages of the stage
 
-    from rail_fmi.documentation import documentation_page, documentation_table
+    from rail_fmi import bundle
+    from rail_fmi.documentation import documentation_page, documentation_table, general_guide
     from rail_fmi.presets import parameter_file
 
     slave = model(instance_name="build", resources=str(stage))
@@ -34,8 +35,10 @@ def main(stage: Path, entry: str, out: Path) -> None:
         contents = parameter_file(name, values, slave.table)
         (stage / "presets" / f"{name}.ssv").write_bytes(contents)
     documents = out.parent / "documentation"
-    documents.mkdir()
-    page = documentation_page(slave.modelName, about, slave.table.values())
+    python = ".".join(map(str, bundle.PYTHON))
+    requirements = (stage / "requirements.txt").read_text(encoding="utf-8").split()
+    guide = {**model.GUIDE, **general_guide(python, requirements)}
+    page = documentation_page(slave.modelName, about, guide, slave.table.values())
     (documents / "index.html").write_text(page, encoding="utf-8")
     table = documentation_table(slave.table.values())
     (documents / "variables.md").write_text(table, encoding="utf-8")

@@ -81,6 +81,7 @@ def build_fmu(
     with tempfile.TemporaryDirectory(prefix="rail_fmi_") as workshop:
         stage = Path(workshop, "stage")
         entry = _fill_stage(stage, script, folders, hashes, requirements)
+        _add_licenses(Path(workshop, "documentation", "licenses"))
         raw = _run_worker(stage, entry, Path(workshop))
         fmu = out / raw.name
         _write_reproducible(raw, fmu)
@@ -130,6 +131,25 @@ def _fill_stage(
     preamble = _PREAMBLE.format(module=module, packages=json.dumps(dict(hashes), indent=4))
     entry.write_text(_with_preamble(code, preamble), encoding="utf-8")
     return entry
+
+
+def _add_licenses(folder: Path) -> None:
+    """Write the licences of this project and of pythonfmu, whose binary is in the FMU."""
+    folder.mkdir(parents=True)
+    for name, distribution in (("license.txt", "rail-cosim"), ("pythonfmu.txt", "pythonfmu")):
+        if found := _license_of(distribution):
+            shutil.copyfile(found, folder / name)
+
+
+def _license_of(distribution: str) -> Path | None:
+    try:
+        files = importlib.metadata.files(distribution) or []
+    except importlib.metadata.PackageNotFoundError:
+        files = []
+    places = [Path(str(file.locate())) for file in files if file.name == "LICENSE"]
+    if distribution == "rail-cosim":  # a source tree that was installed before it had one
+        places.append(Path(__file__).resolve().parents[3] / "LICENSE")
+    return next((place for place in places if place.is_file()), None)
 
 
 def _with_preamble(code: str, preamble: str) -> str:

@@ -20,6 +20,8 @@ from typing import Any
 
 CACHE_VARIABLE = "RAIL_COSIM_CACHE"
 HASH_ATTRIBUTE = "__source_hash__"
+PYTHON = (3, 11)
+"""The oldest version of Python that the packages work with."""
 
 _kept: list[Any] = []
 
@@ -89,12 +91,13 @@ def prepare(namespace: dict[str, Any], packages: Mapping[str, str]) -> None:
     Raises
     ------
     BundleError
-        If the process has loaded another version of a package, or a library
-        that the packages need is missing. ``fmi2Instantiate`` then fails, and
+        If Python is too old, the process has loaded another version of a package, or a
+        library that the packages need is missing. ``fmi2Instantiate`` then fails, and
         the text is in the log and on stderr.
     """
     _kept.append(namespace)
     try:
+        _check_python()
         for name in packages:
             if name in sys.modules:
                 _compare(name, sys.modules[name], packages[name])
@@ -102,6 +105,16 @@ def prepare(namespace: dict[str, Any], packages: Mapping[str, str]) -> None:
     except BundleError as error:
         print(error, file=sys.stderr)
         raise
+
+
+def _check_python() -> None:
+    if sys.version_info[:2] < PYTHON:
+        wanted, found = (".".join(map(str, v)) for v in (PYTHON, sys.version_info[:3]))
+        raise BundleError(
+            f"the FMU needs Python {wanted} or newer, and this host embeds Python {found} "
+            f"({sys.prefix}). Remedy: start the host with a newer one (on Linux LD_PRELOAD its "
+            "libpython and set PYTHONHOME, on Windows put its folder on the PATH)"
+        )
 
 
 def _compare(name: str, module: ModuleType, wanted: str) -> None:

@@ -1,7 +1,7 @@
 """modelDescription.xml from the table of variables (FMI 2.0.4)."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
@@ -41,6 +41,8 @@ class ModelInformation:
         Attributes of ``DefaultExperiment``; empty for none.
     log_categories
         Name and description of each category.
+    initial_inputs
+        Inputs that an output depends on in initialization mode, by output; all for others.
     """
 
     name: str
@@ -50,6 +52,7 @@ class ModelInformation:
     attributes: Mapping[str, str] = dataclasses.field(default_factory=dict)
     experiment: Mapping[str, str] = dataclasses.field(default_factory=dict)
     log_categories: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    initial_inputs: Mapping[str, Collection[str]] = dataclasses.field(default_factory=dict)
 
 
 def model_description(table: VariableTable, about: ModelInformation) -> Element:
@@ -77,7 +80,7 @@ def model_description(table: VariableTable, about: ModelInformation) -> Element:
     variables = SubElement(root, "ModelVariables")
     for variable in table.values():
         _add_variable(variables, variable, table.reference(variable.name))
-    _add_structure(root, table)
+    _add_structure(root, table, about.initial_inputs)
     return root
 
 
@@ -149,15 +152,28 @@ def _add_variable(parent: Element, variable: Variable, reference: int) -> None:
     SubElement(element, _TAGS[variable.kind], details)
 
 
-def _add_structure(root: Element, table: VariableTable) -> None:
-    """Add the outputs, and as initial unknowns all calculated outputs and parameters."""
+def _add_structure(
+    root: Element, table: VariableTable, initial_inputs: Mapping[str, Collection[str]]
+) -> None:
+    """Add the outputs, and as initial unknowns all calculated outputs and parameters.
+
+    Between steps outputs stay as they are whatever is set, so they depend on nothing. In
+    initialization mode what they depend on is told in full, with all parameters.
+    """
     structure = SubElement(root, "ModelStructure")
-    for tag, causalities in (
-        ("Outputs", ("output",)),
-        ("InitialUnknowns", ("output", "calculatedParameter")),
-    ):
-        indices = [i for i, v in enumerate(table.values(), 1) if v.causality in causalities]
-        if indices:
-            parent = SubElement(structure, tag)
-            for index in indices:
-                SubElement(parent, "Unknown", {"index": str(index)})
+    index = {name: i for i, name in enumerate(table, 1)}
+    parameters = [index[v.name] for v in table.with_causality("parameter")]
+    if outputs := table.with_causality("output"):
+        parent = SubElement(structure, "Outputs")
+        for variable in outputs:
+            about = {"index": str(index[variable.name]), "dependencies": ""}
+            SubElement(parent, "Unknown", about)
+    unknowns = [v for v in table.values() if v.causality in ("output", "calculatedParameter")]
+    if unknowns:
+        parent = SubElement(structure, "InitialUnknowns")
+        for variable in unknowns:
+            about = {"index": str(index[variable.name])}
+            if variable.name in initial_inputs:
+                inputs = [index[name] for name in initial_inputs[variable.name]]
+                about["dependencies"] = " ".join(map(str, sorted([*inputs, *parameters])))
+            SubElement(parent, "Unknown", about)

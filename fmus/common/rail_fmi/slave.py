@@ -3,14 +3,14 @@
 import dataclasses
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, ClassVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from rail_fmi import state
-from rail_fmi.description import ModelInformation, model_description
+from rail_fmi.description import ModelInformation, model_description, text
 from rail_fmi.errors import RailFmiError, StateError, StepError
 from rail_fmi.identity import Identity, read_identity
 from rail_fmi.slave_values import Mode, ValueSlave
@@ -23,16 +23,20 @@ TIME_TOLERANCE = 1e-3
 class RailSlave(ValueSlave):
     """Base of the slaves: variables, checks, state and errors; no physics.
 
-    Subclasses set :attr:`MODEL_NAME`, may set :attr:`PRESETS` and pythonfmu's
-    ``description``, ``author``, ``version``, ``license``, ``copyright`` and
-    ``default_experiment``, and write the hooks :meth:`declare`,
-    :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`observe`, :meth:`save`
-    and :meth:`restore`. A hook may raise anything: the error is logged with its
-    text and held, the host's call ends with a status of error, as does every step
-    from then on, and outputs are not-a-number.
+    Subclasses set :attr:`MODEL_NAME`, may set :attr:`PRESETS`, :attr:`GUIDE`,
+    :attr:`EXPERIMENT` and pythonfmu's ``description``, ``author``, ``version``,
+    ``license`` and ``copyright``, and write the hooks :meth:`declare`,
+    :meth:`initialize`, :meth:`start`, :meth:`step`, :meth:`observe`,
+    :meth:`initial_inputs`, :meth:`save` and :meth:`restore`. A hook may raise
+    anything: the error is logged with its text and held, the host's call ends with
+    a status of error, as does every step from then on, and outputs are not-a-number.
 
     Attributes
     ----------
+    GUIDE
+        Sections of the FMU's documentation, text by heading: what a user has to know.
+    EXPERIMENT
+        Attributes of ``DefaultExperiment``, in s.
     CHECKS_OUTPUTS
         True if :meth:`step` itself refuses results that are not finite.
     table
@@ -47,6 +51,8 @@ class RailSlave(ValueSlave):
 
     MODEL_NAME: ClassVar[str]
     PRESETS: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
+    GUIDE: ClassVar[Mapping[str, str]] = {}
+    EXPERIMENT: ClassVar[Mapping[str, float]] = {}
     CHECKS_OUTPUTS: ClassVar[bool] = False
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -97,6 +103,13 @@ class RailSlave(ValueSlave):
 
     def observe(self) -> None:
         """Write the local reals; called when one is read, so unread ones cost nothing."""
+
+    def initial_inputs(self) -> Mapping[str, Collection[str]]:
+        """Return by output the inputs it depends on in initialization mode, whatever is set.
+
+        For the model description; an output that is left out depends on all inputs.
+        """
+        return {}
 
     def save(self) -> dict[str, Any]:
         """Return the model's state beyond the variables: a flat dict of arrays and scalars."""
@@ -305,8 +318,9 @@ class RailSlave(ValueSlave):
             date=self._identity.date,
             tool=self._identity.tool,
             attributes={name: str(value) for name in names if (value := self._attribute(name))},
-            experiment=self._experiment(),
+            experiment={tag: text(value) for tag, value in self.EXPERIMENT.items()},
             log_categories=self.log_categories,
+            initial_inputs=self.initial_inputs(),
         )
         if self.held_error:
             raise RailFmiError(self.held_error)
@@ -315,17 +329,6 @@ class RailSlave(ValueSlave):
     def _attribute(self, name: str) -> Any:
         """Return an attribute of the class, or of the instance (pythonfmu allows both)."""
         return getattr(type(self), name, None) or getattr(self, name, None)
-
-    def _experiment(self) -> dict[str, str]:
-        experiment = self._attribute("default_experiment")
-        names = {
-            "startTime": "start_time",
-            "stopTime": "stop_time",
-            "tolerance": "tolerance",
-            "stepSize": "step_size",
-        }
-        values = {tag: getattr(experiment, name, None) for tag, name in names.items()}
-        return {tag: repr(float(value)) for tag, value in values.items() if value is not None}
 
     @property
     def identity(self) -> Identity:

@@ -1,10 +1,16 @@
-"""What vehicle and track exchange for each wheelset: the members of the terminal ``wheelset[i]``.
-
-Track frame: x along the line in running direction, y to the right, z down; roll about x, pitch
-about y, yaw about z, right-handed.
-"""
+"""What vehicle and track exchange: the members of the terminal ``wheelset[i]``."""
 
 from typing import NamedTuple
+
+FRAME = (
+    "SI units. Track frame: x along the line in running direction, y to the right, z down; roll "
+    "about x, pitch about y, yaw about z, right-handed. Indices count from 1 at the leading end; "
+    "left is y < 0. A wheelset's vertical_displacement is measured from the mean height of the "
+    "wheelsets at rest. Contact forces and moments are those on the wheelset, reduced to its "
+    "centre of mass: at rest the vertical one is minus the axle load. normal_force is positive in "
+    "compression. pitch_rate is the total spin, -V/R in pure rolling."
+)
+"""Units, frame and signs of both FMUs, for their documentation."""
 
 
 class Member(NamedTuple):

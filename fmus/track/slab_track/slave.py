@@ -17,6 +17,7 @@ from rail_quantities import flatten, terminals, with_values
 
 from slab_track import variables as names
 from slab_track.errors import TrackError
+from slab_track.guide import GUIDE
 from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
@@ -45,6 +46,8 @@ class TrackSlave(RailSlave):
     description = "Endless slab track with wheel/rail contact"
     version = __version__
     license = "BSD-3-Clause"
+    GUIDE = GUIDE
+    EXPERIMENT: ClassVar[dict[str, float]] = {"startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-4}
 
     def declare(self) -> Sequence[Variable]:
         """Return inputs, parameters and outputs."""
@@ -167,6 +170,16 @@ class TrackSlave(RailSlave):
         shapes = [of(state, offsets) for of in (self._profile.rails, self._profile.slabs)]
         self.reals[self._profiles] = np.ravel(shapes)
         self._observed = self._vector[TIME]
+
+    def initial_inputs(self) -> dict[str, Sequence[str]]:
+        """Return the motions of all wheelsets, which act on each other through the rails."""
+        motions = names.motion_names(len(names.NUMBERS))
+        found: dict[str, Sequence[str]] = {
+            variable.name: motions for variable in self.table.with_causality("output")
+        }
+        positions = [name for name in motions if name.endswith(".longitudinal_position")]
+        slides = dict.fromkeys(("window.slide_count", "window.slide_residual"), ())
+        return found | {"window.start_position": positions} | slides
 
     def save(self) -> dict[str, Any]:
         """Return the state of the track."""

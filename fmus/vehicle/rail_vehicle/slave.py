@@ -17,6 +17,7 @@ from rail_quantities import ParameterSet, flatten, terminals, with_values
 
 from rail_vehicle import errors
 from rail_vehicle.coupling import INPUT_TIMES, ForceHistory, ForceMemory
+from rail_vehicle.guide import GUIDE
 from rail_vehicle.kernel import RESULT_COUNT, VECTOR_COUNT
 from rail_vehicle.model import VehicleModel, VehicleState
 from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
@@ -31,6 +32,7 @@ _FORCES = tuple(
 _INPUT_TIME = "coupling.input_time"
 _FORCE_ORDER = "coupling.force_order"
 _RUN_SETTINGS = ("speed", "initial_position", "initial_lateral_displacement")
+_SETPOINT_JUMP = 1.0  # m/s from the speed at the start; more is told
 
 
 def preset_values(parameters: ParameterSet) -> dict[str, Any]:
@@ -52,6 +54,8 @@ class VehicleSlave(RailSlave):
     description = "High-speed rail vehicle with 50 degrees of freedom"
     version = __version__
     license = "BSD-3-Clause"
+    GUIDE = GUIDE
+    EXPERIMENT: ClassVar[dict[str, float]] = {"startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-4}
 
     def declare(self) -> Sequence[Variable]:
         """Return inputs, parameters and outputs."""
@@ -164,12 +168,30 @@ class VehicleSlave(RailSlave):
     def _wanted_speed(self) -> float:
         """Return the setpoint, or the parameter while the input has only its start value."""
         setpoint = float(self.reals[self._setpoint])
-        if not self._speed_is_set:
-            speed = self._model.parameters.speed
-            if setpoint in (PAPER.speed, speed):
-                return speed
-            self._speed_is_set = True
+        speed = self._model.parameters.speed
+        if not self._speed_is_set and setpoint in (PAPER.speed, speed):
+            return speed
+        begins = self._last_step == 0.0 or not self._speed_is_set
+        self._speed_is_set = True
+        if begins and abs(setpoint - speed) > _SETPOINT_JUMP:
+            self.warn(
+                f"speed_setpoint = {setpoint:g} m/s, speed = {speed:g} m/s: the vehicle is driven "
+                "from one to the other from now on. A tool may give 0 to an input that is not "
+                "connected: give it the value of speed there"
+            )
         return setpoint
+
+    def initial_inputs(self) -> dict[str, Sequence[str]]:
+        """Return the contact forces on the same wheelset for what they accelerate, else none."""
+        unknowns = self.table.with_causality("output", "calculatedParameter")
+        found: dict[str, Sequence[str]] = {variable.name: () for variable in unknowns}
+        for i in _NUMBERS:
+            forces = [name for name in _FORCES if name.startswith(f"wheelset[{i}].")]
+            for name in found:
+                own = name.startswith((f"wheelset[{i}].", f"axle_box[{i}]."))
+                if own and name.endswith(("acceleration", "journal_force")):
+                    found[name] = forces
+        return found
 
     def save(self) -> dict[str, Any]:
         """Return the state of the model and the forces it remembers."""

@@ -37,6 +37,8 @@ class MassSpringSlave(RailSlave):
     }
     description = "A mass on a spring, for the tests of rail_fmi."
     version = "1.0"
+    GUIDE: ClassVar = {"Masses": "What if the spring is stiff? Then steps are short."}
+    EXPERIMENT: ClassVar = {"startTime": 0.0, "stepSize": 1e-3}
 
     def declare(self) -> Sequence[Variable]:
         self.info("declared 100 %")
