@@ -64,7 +64,8 @@ class GuardedSlave(Fmi2Slave):
     ) -> None:
         """Log a message; any text is safe."""
         if status != Fmi2Status.ok and self._logger and not host.logging_is_on(self._logger):
-            host.tell_on_stderr(str(msg))
+            who = f"{self.modelName} ({self.instance_name}): "
+            host.tell_on_stderr(who + str(msg).removeprefix(who))
         super().log(host.printable(str(msg)), status, category)
         if self._early_log is not None:
             # A message left in the queue when the instance is freed crashes: it

@@ -199,9 +199,8 @@ class RailSlave(ValueSlave):
             raise StepError(f"the step size must be positive and finite, not {step_size!r} s")
         if not abs(current_time - self.time) <= TIME_TOLERANCE * step_size + math.ulp(self.time):
             raise StepError(
-                f"a step from t = {current_time!r} s was asked for, but the last one ended at "
-                f"t = {self.time!r} s, or the start was then; go on from there, or set a state "
-                "(fmi2SetFMUstate) first"
+                f"a step from t = {current_time!r} s was asked for, but the FMU is at "
+                f"t = {self.time!r} s: go on from there, or set a state (fmi2SetFMUstate) first"
             )
         if self._first_inputs is not None:
             self.reals[self._real_inputs()] = self._first_inputs

@@ -21,9 +21,10 @@ GUIDE: Mapping[str, str] = {
         "initialization ended with."
     ),
     "Communication step": (
-        "0.1 ms. coupling.input_time is step_start where all FMUs are stepped from the same "
-        "instant (Jacobi), step_end where the vehicle is stepped after the track, with its new "
-        "forces (Gauss-Seidel). Between steps no output depends on an input."
+        "0.1 ms; 1 ms is too much, and the FMU warns of steps that are too coarse or ends the run "
+        "where the coupling is unstable. coupling.input_time is step_start where all FMUs are "
+        "stepped from the same instant (Jacobi), step_end where the vehicle is stepped after the "
+        "track, with its new forces (Gauss-Seidel). Between steps no output depends on an input."
     ),
 }
 """Text by heading."""
