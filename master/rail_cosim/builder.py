@@ -167,14 +167,14 @@ def build(
     UnknownNameError
         If there is no such parameter set.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    fmus: dict[str, Path] = {}
-    for name, recipe in RECIPES.items():
-        fmus[name] = out / f"{recipe.model}.fmu"
-        shutil.copyfile(built_fmu(recipe), fmus[name])
+    built = {name: built_fmu(recipe) for name, recipe in RECIPES.items()}
     presets = {"track": line, "vehicle": vehicle}
     for name, option in (("track", "--line"), ("vehicle", "--vehicle")):
-        read_preset(fmus[name], presets[name], option)
+        read_preset(built[name], presets[name], option)
+    out.mkdir(parents=True, exist_ok=True)
+    fmus = {name: out / path.name for name, path in built.items()}
+    for name, path in built.items():
+        shutil.copyfile(path, fmus[name])
     start = values_at_rest(fmus, presets) if at_rest else {}
     ssp, osp = out / SSP_NAME, out / OSP_NAME
     write_ssp(ssp, fmus, presets, start)

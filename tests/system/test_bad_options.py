@@ -40,7 +40,7 @@ OPTIONS = {
         "checkpoint_interval": NUMBER,
         "case": "file",
     },
-    "report": {"run": "dataset", "out": "page"},
+    "report": {"runs": "dataset", "out": "page"},
     "sweep": {
         "specification": "toml",
         "scheduler": "address",
@@ -112,7 +112,7 @@ def argument(command, option, value, folder):
     flags = {p.name: p.opts[0] for p in commands()[command].params}
     words = [command]
     given = value if not flags[option].startswith("-") else None
-    if command == "report" and option != "run":
+    if command == "report" and option != "runs":
         words.append(str(folder / "run.nc"))
     if command == "sweep" and option != "specification":
         path = folder / "spec.toml"
@@ -154,6 +154,7 @@ def test_bad_values_are_refused(command, option, tmp_path, nothing_runs, monkeyp
         monkeypatch.setenv("RAIL_COSIM_CACHE", str(request.getfixturevalue("fmus").cache))
     values, dask = bad_values(OPTIONS[command][option], tmp_path), command == "sweep"
     before = sorted(tmp_path.rglob("*"))
+    monkeypatch.chdir(tmp_path)
     lines = [argument(command, option, value, tmp_path) for value in values]
     # Dask leaves traces in a process.
     found = request.getfixturevalue("fmus").call(invoke, lines) if dask else invoke(lines)
