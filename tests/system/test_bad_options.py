@@ -17,12 +17,14 @@ SPEC = "[grid]\nspeed = [300]\n[keep]\nnormal_force = ['max']\n"
 # What kind of value an option takes, and what else its command needs.
 OPTIONS = {
     "build": {"out": "folder", "line": "name", "vehicle": "name"},
-    "check": {"fmu": "fmu"},
+    "check": {"fmu": "fmu", "names": "map"},
     "run": {
         "system": "package",
         "line": "name",
         "vehicle": "name",
         "track": "fmu",
+        "vehicle_map": "map",
+        "track_map": "map",
         "speed": NUMBER,
         "distance": NUMBER,
         "until_steady": NUMBER,
@@ -98,6 +100,7 @@ def bad_values(kind, folder):
         "package": read,
         "dataset": read,
         "toml": read,
+        "map": tuple(path for path in read if path != str(empty)),  # one that changes no name
         "script": (str(folder / "missing"), str(folder)),
         "address": ("nowhere:1", "tcp://", "::"),
         "file": (str(inside_a_file), str(folder)),
@@ -107,7 +110,7 @@ def bad_values(kind, folder):
     }[kind]
 
 
-def argument(command, option, value, folder):
+def argument(command, option, value, folder, fmus):
     """Return the command line that gives ``option`` this value."""
     flags = {p.name: p.opts[0] for p in commands()[command].params}
     words = [command]
@@ -118,6 +121,11 @@ def argument(command, option, value, folder):
         path = folder / "spec.toml"
         path.write_text(SPEC)
         words.append(str(path))
+    if option == "names":
+        words.append(str(fmus.vehicle))
+    if option in ("vehicle_map", "track_map"):
+        part = option.partition("_")[0]
+        words += [f"--{part}", str(getattr(fmus, part))]
     if command == "study" and option != "name":
         words.append("contact-geometry")
     if command == "run" and option in ("slow_motion", "exaggeration"):
@@ -148,16 +156,16 @@ LATER = {
 
 
 @pytest.mark.parametrize(("command", "option"), CASES)
-def test_bad_values_are_refused(command, option, tmp_path, nothing_runs, monkeypatch, request):
+def test_bad_values_are_refused(command, option, tmp_path, fmus, nothing_runs, monkeypatch):
     if option in LATER.get(command, ()):
         monkeypatch.undo()
-        monkeypatch.setenv("RAIL_COSIM_CACHE", str(request.getfixturevalue("fmus").cache))
+        monkeypatch.setenv("RAIL_COSIM_CACHE", str(fmus.cache))
     values, dask = bad_values(OPTIONS[command][option], tmp_path), command == "sweep"
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.chdir(tmp_path)
-    lines = [argument(command, option, value, tmp_path) for value in values]
+    lines = [argument(command, option, value, tmp_path, fmus) for value in values]
     # Dask leaves traces in a process.
-    found = request.getfixturevalue("fmus").call(invoke, lines) if dask else invoke(lines)
+    found = fmus.call(invoke, lines) if dask else invoke(lines)
     for words, (status, text, raised) in zip(lines, found, strict=True):
         shown = f"{words}: {status}\n{text}\n{raised}"
         assert status in (1, 2), shown
