@@ -26,7 +26,7 @@ $(STAMP): pyproject.toml
 $(TOOLS): $(STAMP)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
 	  echo "The tools of others could not be installed: tests/tools will be skipped." >&2
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[browser]' || \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[browser,docs]' || \
 	  echo "The browser's driver could not be installed: tests/browser will be skipped." >&2
 	@touch $@
 
@@ -72,7 +72,7 @@ $(DOCS): $(STAMP)
 # Any warning, such as a broken link, is an error.
 docs: $(DOCS)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
-	@echo "the pages are in build/site: open build/site/index.html (to search them: $(BIN)/mkdocs serve)"
+	@echo "the pages are in build/site: open build/site/index.html"
 
 clean:
 	rm -rf $(VENV) build results

@@ -19,6 +19,7 @@ READMES = {
     "fmus/track/README.md": "models/track.md",
     "fmus/common/README.md": "models/fmi.md",
     "CHANGELOG.md": "changes.md",
+    "CONTRIBUTING.md": "contributing.md",
     "examples/README.md": "examples.md",
 }
 """Files outside of docs/ that are pages, too."""

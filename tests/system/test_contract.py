@@ -10,6 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 from product import build
+from rail_cosim.contract import OUTPUTS
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi2"
 FMUS = ("vehicle", "track")
@@ -209,6 +210,16 @@ def test_contract(described, name, causality):
     wanted = CONTRACT[name][causality]
     assert sorted(wanted.keys() - found.keys()) == []
     assert {variable: found[variable].unit for variable in wanted} == wanted
+
+
+@pytest.mark.parametrize("name", FMUS)
+def test_outputs_that_evaluation_reads_are_there(described, name):
+    found = {v.name: v.unit for v in described[name].modelVariables if v.causality == "output"}
+    wanted = {
+        pattern.replace("[i]", "[1]").replace("[j]", "[1]"): unit
+        for pattern, unit in OUTPUTS[name].items()
+    }
+    assert {variable: found.get(variable) for variable in wanted} == wanted
 
 
 @pytest.mark.parametrize("name", FMUS)
