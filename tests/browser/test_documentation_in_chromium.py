@@ -33,7 +33,7 @@ def test_the_search_works_without_server_and_network(browser, asked, site):
         lambda page: page.find_elements(By.CSS_SELECTOR, "a.md-search-result__link")
     )
     assert any("fastener" in one.text.lower() for one in found)
-    addresses = asked()
+    addresses = asked(browser)
     assert addresses
     assert not [address for address in addresses if not address.startswith(("file:", "data:"))]
     assert not [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
