@@ -110,6 +110,7 @@ def test_contents():
     for words in ("Deflection", "Python 3.11 or newer", "numba&gt;=0.60", "LD_PRELOAD", "stiff?"):
         assert words in page, words
     assert b"MIT License" in member("documentation/licenses/pythonfmu.txt")
+    assert b"BSD 3-Clause" in member("documentation/licenses/license.txt")
 
 
 def test_build_leaves_the_process_as_it_was(tmp_path):
