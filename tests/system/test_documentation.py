@@ -31,6 +31,7 @@ MADE = {  # by docs/_hooks/pages.py
     "models/track_variables.md": None,
     "examples.md": "examples/README.md",
     "changes.md": "CHANGELOG.md",
+    "contributing.md": "CONTRIBUTING.md",
     "command_line.md": None,
 }
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
