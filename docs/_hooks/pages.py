@@ -113,7 +113,7 @@ def _variables(role: str) -> str:
     parts = [
         f"---\nhide: [toc]\n---\n# {about.model_name}: variables",
         f"All {len(variables)} variables of the FMU, as declared in its `modelDescription.xml`. "
-        "`[i]` stands for the numbers that are given, `left|right` for both sides.",
+        "`[i]` stands for the numbers that are given, `left/right` for both sides.",
     ]
     for title, causalities in (
         ("Parameters", ("parameter",)),
@@ -135,7 +135,7 @@ def _table(variables: list) -> str:
     """
     rows: dict[tuple, list] = {}
     for variable in variables:
-        name = re.sub(r"\b(left|right)\b", "left|right", _INDEX.sub("[i]", variable.name))
+        name = re.sub(r"\b(left|right)\b", "left/right", _INDEX.sub("[i]", variable.name))
         tunable = " (tunable)" if variable.variability == "tunable" else ""
         limits = ", ".join(
             f"{sign} {value:g}"

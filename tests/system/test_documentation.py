@@ -127,9 +127,9 @@ def test_each_variable_stands_in_the_table_in_its_own_words(fmus, role):
             meaning.strip().replace("\0", "|")
         )
     for variable in variables:
-        name = re.sub(r"\b(left|right)\b", "left|right", re.sub(r"\[\d+\]", "[i]", variable.name))
+        name = re.sub(r"\b(left|right)\b", "left/right", re.sub(r"\[\d+\]", "[i]", variable.name))
         assert table[name] == {variable.description}
-    assert not any("left|right" in meaning for meanings in table.values() for meaning in meanings)
+    assert not any("left/right" in meaning for meanings in table.values() for meaning in meanings)
 
 
 @pytest.mark.parametrize(
