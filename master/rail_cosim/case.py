@@ -17,6 +17,7 @@ import dataclasses
 import json
 import re
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -125,7 +126,7 @@ def write_case(path: Path, options: RunOptions) -> None:
             value = _seen_from(path, value)
         elif isinstance(value, str) and Path(value).is_file():  # a vehicle, an irregularity
             value = _seen_from(path, Path(value))
-        if value == field.default:
+        if value == field.default or value == []:
             shown = "..." if value is None else _toml(value)
             lines.append(f"# {field.name} = {shown}")
         else:
@@ -166,7 +167,9 @@ def _key(name: str) -> str:
     return name if re.fullmatch(r"[\w.-]+", name, re.ASCII) else _toml(name)
 
 
-def _toml(value: Value) -> str:
+def _toml(value: Value | Sequence[str]) -> str:
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return str(value).lower() if isinstance(value, bool) else repr(value)

@@ -31,7 +31,7 @@ FORMAT = 1
 INTERVAL = 60.0
 """Seconds between two checkpoints."""
 _FREE = ("out", "plot", "animate", "slow_motion", "exaggeration", "command", "resume")
-_FREE += ("checkpoint_interval",)
+_FREE += ("checkpoint_interval", "variables")
 
 
 class CheckpointError(RailCosimError):

@@ -36,12 +36,12 @@ class RunOptions:
     speed
         In km/h; ``None`` for the vehicle's own.
     distance
-        Way of the leading wheelset in m.
+        Distance travelled by the leading wheelset in m.
     until_steady
         End the run when it is steady: the largest relative change of wheel forces and axle-box
         accelerations from slab to slab (see :mod:`rail_cosim.steady`); ``distance`` is then
-        the largest way, and ``macro_step`` is shortened to the next whole part of a slab length.
-        ``None`` for the whole way.
+        the limit, and ``macro_step`` is shortened to the next whole part of a slab length.
+        ``None`` for the whole distance.
     final_speed
         Speed of the car body at the end of the distance in km/h, reached by uniform acceleration
         from ``speed`` (the wheelsets follow on their suspension); ``None`` for a constant speed.
@@ -60,6 +60,9 @@ class RunOptions:
         Whether to run FMUs that were not built here without saying so.
     out, plot
         NetCDF file and picture to write; ``None`` for none.
+    variables
+        Variables of the results, by names with the wildcards ``*`` and ``?``; empty for all.
+        Time and ``distance`` are always there.
     animate
         Animation to write, .mp4 or .gif; ``None`` for none.
     slow_motion
@@ -68,7 +71,7 @@ class RunOptions:
         Of vertical displacements in the animation; ``None``: so that the rails' largest is well
         seen.
     resume
-        Go on where a run with the same options and ``out`` was stopped (see
+        Resume where a run with the same options and ``out`` was stopped (see
         :mod:`rail_cosim.checkpoint`).
     checkpoint_interval
         Seconds between two checkpoints of a run that has ``out``.
@@ -93,6 +96,7 @@ class RunOptions:
     record_every: int = 1
     trust: bool = False
     out: Path | None = None
+    variables: Sequence[str] = ()
     plot: Path | None = None
     animate: Path | None = None
     slow_motion: float = 50.0
@@ -117,6 +121,7 @@ class RunOptions:
             if names is not None and fmu is None:
                 limit = "it maps the names of another FMU, and none is given"
                 raise ParameterError(f"--{name}-map", str(names), limit, f"add --{name} FMU")
+        _check_names("--variables", self.variables)
         limits = (
             ("--distance", self.distance, "m"),
             ("--macro-step", self.macro_step, "s"),
@@ -145,6 +150,12 @@ class RunOptions:
 
 _KINDS = {"float": "a number", "int": "a whole number", "str": "a text", "Path": "a path"}
 _KINDS["bool"] = "true or false"
+
+
+def _check_names(option: str, value: Any) -> None:
+    """Refuse what is no list of texts, which a file may give."""
+    if isinstance(value, str) or not all(isinstance(name, str) for name in value):
+        raise ParameterError(option, repr(value), "must be a list of names")
 
 
 def _check_kind(field: dataclasses.Field[Any], value: object) -> None:

@@ -9,7 +9,7 @@ import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,9 @@ import h5netcdf
 import numpy as np
 import xarray as xr
 
+from rail_cosim.description import FmuDescription
 from rail_cosim.errors import ResultsError
+from rail_cosim.recorded import ALWAYS, chosen
 from rail_cosim.recorder import Recorder
 from rail_cosim.system import SystemStructure
 
@@ -78,6 +80,17 @@ def _plain(name: str) -> str:
     return re.sub(r"\W+", "_", name).strip("_")
 
 
+def variable_names(descriptions: Iterable[FmuDescription]) -> list[str]:
+    """Return the names of the variables that a run of these FMUs records."""
+    outputs = [
+        place(variable.name).variable
+        for about in descriptions
+        for variable in about.variables.values()
+        if variable.causality == "output"
+    ]
+    return list(dict.fromkeys([*outputs, ALWAYS]))
+
+
 def to_dataset(
     system: SystemStructure,
     recorder: Recorder,
@@ -85,6 +98,7 @@ def to_dataset(
     *,
     start: int = 0,
     stop: int | None = None,
+    variables: Sequence[str] = (),
 ) -> xr.Dataset:
     """Return what was recorded as a Dataset, in memory.
 
@@ -98,15 +112,21 @@ def to_dataset(
         Attributes of the Dataset; truth values become 0 and 1.
     start, stop
         Which records; all by default.
+    variables
+        Which variables (:func:`rail_cosim.recorded.chosen`); all by default.
     """
     rows = recorder.rows(start, len(recorder) if stop is None else stop)
     # All at once: a Dataset that grows by one variable is merged anew each time.
     found: dict[str, xr.Variable] = {}
+    seen: set[str] = set()
     in_use = _wheelsets_in_use(system)
     for slave in system.slaves:
         names, values = recorder.names(slave.name), rows[:, recorder.columns(slave.name)]
         for variable, members in _group(names, in_use).items():
-            key = f"{variable}_{slave.name}" if variable in found else variable
+            key = f"{variable}_{slave.name}" if variable in seen else variable
+            seen.add(variable)
+            if not chosen(key, variables):
+                continue
             about = slave.variables[names[members[0][0]]]
             array = _variable(values, members, about.unit, about.description)
             whole = about.kind == "integer" and not np.isnan(array.to_numpy()).any()
@@ -193,7 +213,11 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
 
 
 def stream_netcdf(
-    system: SystemStructure, recorder: Recorder, attributes: Mapping[str, Any], path: Path
+    system: SystemStructure,
+    recorder: Recorder,
+    attributes: Mapping[str, Any],
+    path: Path,
+    variables: Sequence[str] = (),
 ) -> Path:
     """Write what was recorded to ``path`` part by part, in memory that does not depend on length.
 
@@ -202,13 +226,14 @@ def stream_netcdf(
 
     def write(scratch: Path) -> None:
         end = len(recorder)
-        first = to_dataset(system, recorder, attributes, stop=min(_PART, end))
+        stop = min(_PART, end)
+        first = to_dataset(system, recorder, attributes, stop=stop, variables=variables)
         first.to_netcdf(scratch, engine="h5netcdf", unlimited_dims=["time"])
         with h5netcdf.File(scratch, "a") as file:
             file.resize_dimension("time", end)
             for start in range(_PART, end, _PART):
                 stop = min(start + _PART, end)
-                part = to_dataset(system, recorder, {}, start=start, stop=stop)
+                part = to_dataset(system, recorder, {}, start=start, stop=stop, variables=variables)
                 for name, values in part.variables.items():
                     if "time" in values.dims:
                         file.variables[str(name)][start:stop] = values.to_numpy()

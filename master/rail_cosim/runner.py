@@ -41,9 +41,10 @@ from rail_cosim.parameters import checked, number_of, parse_assignments
 from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import preset_values
 from rail_cosim.ramp import SpeedRamp
+from rail_cosim.recorded import check_variables
 from rail_cosim.recorder import Recorder
 from rail_cosim.reporter import Quiet, Reporter
-from rail_cosim.results import check_netcdf, check_writable
+from rail_cosim.results import check_netcdf, check_writable, variable_names
 from rail_cosim.run_result import RunResult
 from rail_cosim.session import Session, begun_run
 from rail_cosim.simulation import Outcome, Simulation
@@ -76,6 +77,7 @@ def run(
     record_every: int = 1,
     trust: bool = False,
     out: str | Path | None = None,
+    variables: Sequence[str] = (),
     plot: str | Path | None = None,
     animate: str | Path | None = None,
     slow_motion: float = 50.0,
@@ -102,10 +104,10 @@ def run(
     speed
         Running speed in km/h; the vehicle's own unless given.
     distance
-        Way of the leading wheelset in m.
+        Distance travelled by the leading wheelset in m.
     until_steady
         End the run when it is steady: the largest relative change of wheel forces and axle-box
-        accelerations from slab to slab, 0.001 say. ``distance`` is then the largest way.
+        accelerations from slab to slab, e.g. 0.001. ``distance`` is then the largest one.
     final_speed
         Speed at the end of the distance in km/h, reached by uniform acceleration.
     irregularity
@@ -122,6 +124,9 @@ def run(
         Run FMUs that were not built here without a warning.
     out
         NetCDF file for the results.
+    variables
+        Variables of the results, by names with the wildcards ``*`` and ``?``; empty for all.
+        Time and ``distance`` are always there.
     plot
         Picture of the run: ``.png``, ``.pdf`` or ``.svg``.
     animate
@@ -131,7 +136,7 @@ def run(
     exaggeration
         Factor on vertical displacements in the film; a fitting one unless given.
     resume
-        Go on where a run with the same arguments and ``out`` was stopped.
+        Resume where a run with the same arguments and ``out`` was stopped.
     checkpoint_interval
         Seconds of computing between two checkpoints of a run that has ``out``.
     reporter
@@ -170,6 +175,7 @@ def run(
         record_every=record_every,
         trust=trust,
         out=None if out is None else Path(out),
+        variables=variables,
         plot=None if plot is None else Path(plot),
         animate=None if animate is None else Path(animate),
         slow_motion=slow_motion,
@@ -205,6 +211,7 @@ def execute(options: RunOptions, reporter: Reporter) -> RunResult:
         for description in descriptions.values():
             if text := foreign_remark(description.path):
                 reporter.notice(text)
+    check_variables(options.variables, variable_names(descriptions.values()))
     changed = changed_attribute(descriptions, preset_values(descriptions, presets), parameters)
     film = None
     if options.animate:

@@ -92,17 +92,17 @@ class Session:
 
         What a run needs to go on is kept if the user stopped it, else removed.
         """
-        out = self._options.out
+        out, variables = self._options.out, self._options.variables
         if out is None or self._spool is None or self._keeper is None:
-            return to_dataset(self._system, self.recorder, attributes)
+            return to_dataset(self._system, self.recorder, attributes, variables=variables)
         stopped = isinstance(outcome.error, KeyboardInterrupt)
         if stopped and self._keeper.possible:
             self._keeper.write(simulation)
         if len(self.recorder) * self.recorder.width * 8 <= LARGEST_IN_MEMORY:
-            dataset = to_dataset(self._system, self.recorder, attributes)
+            dataset = to_dataset(self._system, self.recorder, attributes, variables=variables)
             write_netcdf(dataset, out)
         else:
-            stream_netcdf(self._system, self.recorder, attributes, out)
+            stream_netcdf(self._system, self.recorder, attributes, out, variables)
             dataset = xr.open_dataset(out, engine="h5netcdf")
         self._spool.close()
         if not (stopped and self._keeper.possible):

@@ -35,42 +35,71 @@ def _number(value: float, factor: float = 1.0, digits: int = 2) -> str:
     return "-" if math.isnan(value) else f"{value * factor:.{digits}f}"
 
 
-def _by_wheel(
-    summary: Summary, title: str, columns: list[tuple[str, str, float, int]]
-) -> RenderableType:
-    """Return a table with a row per wheel; columns are figure, head, factor and digits."""
+Column = tuple[str, str, float, int]
+"""Figure of a summary, head, factor and digits."""
+
+EXTREMES: list[Column] = [
+    ("wheel_force_max", "wheel force\nmax, kN", 1e-3, 3),
+    ("wheel_force_max_distance", "at\nm", 1.0, 2),
+    ("wheel_force_min", "wheel force\nmin, kN", 1e-3, 3),
+    ("wheel_force_min_distance", "at\nm", 1.0, 2),
+    ("axle_box_acceleration_peak", "peak axle-box\nacceleration\nm/s²", 1.0, 3),
+    ("axle_box_acceleration_peak_distance", "at\nm", 1.0, 2),
+]
+
+
+def window_columns(summary: Summary) -> list[Column]:
+    """Return the columns of the statistics of the evaluation window."""
+    fastener = _number(summary.fastener_passing_frequency, digits=1)
+    slab = _number(summary.slab_passing_frequency, digits=1)
+    passing = "passing\namplitude¹"
+    return [
+        ("wheel_force_mean", "mean\nkN", 1e-3, 3),
+        ("wheel_force_window_min", "min\nkN", 1e-3, 3),
+        ("wheel_force_window_max", "max\nkN", 1e-3, 3),
+        (
+            "wheel_force_fastener_passing_amplitude",
+            f"fastener-\n{passing}\n{fastener} Hz, kN",
+            1e-3,
+            3,
+        ),
+        ("wheel_force_slab_passing_amplitude", f"slab-\n{passing}\n{slab} Hz, kN", 1e-3, 3),
+        ("axle_box_acceleration_window_peak", "peak\naxle-box\nacceler.\nm/s²", 1.0, 3),
+    ]
+
+
+def rows(summary: Summary, columns: list[Column]) -> list[list[str]]:
+    """Return the cells of these columns, a row for each wheel; none if nothing is recorded."""
+    there = [summary.data[name] for name, *_ in columns if name in summary.data]
+    shape = max((array.shape for array in there), key=math.prod, default=(0, 0))
+
+    def cell(wheel: tuple[int, ...], name: str, factor: float, digits: int) -> str:
+        if name not in summary.data or summary.data[name].shape != shape:
+            return "-"
+        return _number(float(summary.data[name].to_numpy()[wheel]), factor, digits)
+
+    return [
+        [wheel_name(*wheel), *(cell(wheel, name, f, digits) for name, _, f, digits in columns)]
+        for wheel in np.ndindex(*shape)
+    ]
+
+
+def _by_wheel(summary: Summary, title: str, columns: list[Column]) -> RenderableType:
+    cells = rows(summary, columns)
+    if not cells:
+        return Text(f"{title}: wheel forces and accelerations {_NOT_RECORDED}")
     table = Table(title=title, title_justify="left", title_style="")
     table.add_column("wheel", no_wrap=True)
     for _, head, _, _ in columns:
         table.add_column(head, justify="right", no_wrap=True)
-    there = [summary.data[name] for name, *_ in columns if name in summary.data]
-    shape = max((array.shape for array in there), key=np.prod, default=(0, 0))
-    for wheel in np.ndindex(*shape):
-        cells = [
-            _number(float(summary.data[name].to_numpy()[wheel]), factor, digits)
-            if name in summary.data and summary.data[name].shape == shape
-            else "-"
-            for name, _, factor, digits in columns
-        ]
-        table.add_row(wheel_name(*wheel), *cells)
-    return table if there else Text(f"{title}: wheel forces and accelerations {_NOT_RECORDED}")
+    for row in cells:
+        table.add_row(*row)
+    return table
 
 
 def extremes_table(summary: Summary) -> RenderableType:
     """Return the table of the extremes of the whole run."""
-    box = "peak axle-box\nacceleration\nm/s²"
-    return _by_wheel(
-        summary,
-        f"Whole run, distance travelled {summary.whole.text}",
-        [
-            ("wheel_force_max", "wheel force\nmax, kN", 1e-3, 3),
-            ("wheel_force_max_distance", "at\nm", 1.0, 2),
-            ("wheel_force_min", "wheel force\nmin, kN", 1e-3, 3),
-            ("wheel_force_min_distance", "at\nm", 1.0, 2),
-            ("axle_box_acceleration_peak", box, 1.0, 3),
-            ("axle_box_acceleration_peak_distance", "at\nm", 1.0, 2),
-        ],
-    )
+    return _by_wheel(summary, f"Whole run, distance travelled {summary.whole.text}", EXTREMES)
 
 
 def contact_text(summary: Summary) -> list[str]:
@@ -92,30 +121,8 @@ def contact_text(summary: Summary) -> list[str]:
 
 def window_table(summary: Summary) -> RenderableType:
     """Return the table of the statistics of the evaluation window."""
-    fastener = _number(summary.fastener_passing_frequency, digits=1)
-    slab = _number(summary.slab_passing_frequency, digits=1)
-    return _by_wheel(
-        summary,
-        f"Evaluation window {summary.window.text}:\n{summary.state}",
-        [
-            ("wheel_force_mean", "mean\nkN", 1e-3, 3),
-            ("wheel_force_window_min", "min\nkN", 1e-3, 3),
-            ("wheel_force_window_max", "max\nkN", 1e-3, 3),
-            (
-                "wheel_force_fastener_passing_amplitude",
-                f"fastener-\npassing\namplitude¹\n{fastener} Hz, kN",
-                1e-3,
-                3,
-            ),
-            (
-                "wheel_force_slab_passing_amplitude",
-                f"slab-\npassing\namplitude¹\n{slab} Hz, kN",
-                1e-3,
-                3,
-            ),
-            ("axle_box_acceleration_window_peak", "peak\naxle-box\nacceler.\nm/s²", 1.0, 3),
-        ],
-    )
+    title = f"Evaluation window {summary.window.text}:\n{summary.state}"
+    return _by_wheel(summary, title, window_columns(summary))
 
 
 def figures(summary: Summary) -> Group:

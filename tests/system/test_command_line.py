@@ -35,6 +35,16 @@ def test_help_of_a_command_has_examples_that_parse(fmus, name):
     assert done.stderr == ""
 
 
+def test_help_of_run_groups_its_options(fmus):
+    text = fmus.command("run", "--help").stdout
+    groups = [line for line in text.splitlines() if re.fullmatch(r"[A-Z].*:", line)]
+    assert "Motion:" in groups
+    assert "Irregularity:" in groups
+    start, stop = text.index("Results:"), text.index("Pictures and animation:")
+    assert start < text.index("--out FILE") < text.index("--variables NAME") < stop
+    assert text.count("--out FILE") == 1
+
+
 def test_help_keeps_names_in_brackets(fmus):
     assert "  [grid]\n      speed = {" in fmus.command("sweep", "--help").stdout
 

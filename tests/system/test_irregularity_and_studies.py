@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 import xarray as xr
+from rail_cosim.reporting import page
+from rail_cosim.sweeps.quantities import evaluate
 from runs import run
 
 # The options are tested here, not the mechanics: few modes and long steps.
@@ -23,6 +25,22 @@ def peak(done):
     return np.abs(force - done.data.attrs["track.static_wheel_load"]).max()
 
 
+def _agree(joint):
+    """Summary, report and sweep statistics tell what the file has, wherever it happened."""
+    force, boxes = joint["normal_force"], np.abs(joint["axle_box_vertical_acceleration"])
+    assert f"{force.max() / 1e3:.3f}" in joint.out
+    assert f"{boxes.max():.3f}" in joint.out
+    text = page(joint.data)
+    assert f'<td class="number">{force.max() / 1e3:.4g}</td>' in text
+    assert f'<td class="number">{boxes.max():.4g}</td>' in text
+    keep = {"normal_force": ["max", "min"], "axle_box_vertical_acceleration": ["peak"]}
+    found = evaluate(joint.data, keep)
+    np.testing.assert_array_equal(found["normal_force_max"], force.max(axis=0))
+    np.testing.assert_array_equal(found["normal_force_min"], force.min(axis=0))
+    peaks = found["axle_box_vertical_acceleration_peak"]
+    np.testing.assert_array_equal(peaks, boxes.max(axis=0))
+
+
 def test_a_rail_joint_and_a_spectrum_are_felt(fmus, tmp_path):
     smooth = run(fmus, tmp_path, *SHORT)
     joint = run(fmus, tmp_path, *SHORT, "--irregularity", "rail_joint", *NEAR)
@@ -32,6 +50,8 @@ def test_a_rail_joint_and_a_spectrum_are_felt(fmus, tmp_path):
     assert peak(joint) > 2.0 * peak(smooth)
     leading = np.abs(joint["normal_force"] - smooth["normal_force"])[:, 0, 0]
     assert joint["distance"][leading.argmax()] == pytest.approx(4.0, abs=1.0)
+
+    _agree(joint)
 
     seed = ["--set", "track.irregularity.seed=2", "--set", "track.irregularity.ramp_length=1"]
     random = run(fmus, tmp_path, *SHORT, "--irregularity", "german_high", *seed)

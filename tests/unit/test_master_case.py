@@ -137,6 +137,7 @@ def options(folder):
         macro_step=5e-5,
         record_every=2,
         out=folder / "out" / "run.nc",
+        variables=["normal_force", "axle_box_*"],
         plot=folder.parent / 'with "quotes" \\ and ä.png',
         settings=[
             "track.fastener.vertical_stiffness=140e6",
@@ -154,6 +155,7 @@ def test_what_is_written_is_read_as_the_same(tmp_path):
     path = tmp_path / "case.toml"
     write_case(path, given)
     found = read_case(path)
+    assert found["variables"] == ["normal_force", "axle_box_*"]
     assert set(assignments(found.pop("settings"))) == {
         "track.fastener.vertical_stiffness=140000000.0",
         "track.contact.rail_profile=CHN60",  # given twice: the last one wins

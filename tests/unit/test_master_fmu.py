@@ -211,8 +211,10 @@ def test_ctrl_c_keeps_what_was_recorded(ran):
 
 
 def test_a_warning_of_an_fmu_is_shown_once(ran):
-    status, _, err = ran[1]["warned"]
+    status, out, err = ran[1]["warned"]
     assert status == 0
+    assert out.endswith("the results were not kept: give --out FILE.nc to write them\n")
+    assert "not kept" not in ran[1]["steady"][1]
     assert err.count("the wheel is light, 50 % of it is air") == 1
     assert err.startswith("rail-cosim: warning: vehicle: ")
 

@@ -9,7 +9,8 @@ import pytest
 import xarray as xr
 from master_mocks import MockSlave, variable
 from rail_cosim import results
-from rail_cosim.errors import ResultsError
+from rail_cosim.errors import ResultsError, UnknownNameError
+from rail_cosim.recorded import check_variables
 from rail_cosim.recorder import Recorder
 from rail_cosim.results import (
     Place,
@@ -97,6 +98,34 @@ def records(count=3, spool=None):
             port.outputs.read()
         recorder.record(0.5 * record)
     return system, recorder
+
+
+@pytest.mark.parametrize("streamed", [False, True])
+def test_only_the_chosen_variables_are_in_the_results(streamed, tmp_path):
+    patterns = ["normal_*", "both_track"]
+    system, recorder = records(20, spool=tmp_path / "records")
+    data = to_dataset(system, recorder, {}, variables=patterns)
+    assert set(data.data_vars) == {"distance", "normal_force", "both_track"}
+    whole = to_dataset(system, recorder, {})
+    assert len(whole.data_vars) > 3
+    xr.testing.assert_identical(
+        data, whole[list(data.data_vars)].drop_vars("bogie", errors="ignore")
+    )
+    if streamed:
+        stream_netcdf(system, recorder, {}, tmp_path / "run.nc", patterns)
+        with xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as read:
+            xr.testing.assert_identical(read.load(), data)
+
+
+def test_a_chosen_variable_that_is_none_is_refused_with_the_nearest():
+    known = ["normal_force", "distance", "axle_box_vertical_acceleration"]
+    check_variables(["axle_box_*", "distance"], known)
+    with pytest.raises(UnknownNameError, match=r"--variables = 'normal_forc': .*mean normal_force"):
+        check_variables(["normal_forc"], known)
+    with pytest.raises(
+        UnknownNameError, match=r"--variables = 'box\*'.*there are normal_force, dis"
+    ):
+        check_variables(["box*"], known)
 
 
 def test_content_of_the_dataset():

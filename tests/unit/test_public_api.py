@@ -2,6 +2,7 @@
 
 import dataclasses
 import importlib
+import importlib.util
 import inspect
 import re
 import typing
@@ -173,3 +174,12 @@ def test_fields_of_classes_are_told_with_units(name):
 )
 def test_type_checkers_may_use_the_annotations(package):
     assert (ROOT / package / "py.typed").is_file()
+
+
+def test_the_public_names_are_listed_before_they_are_used():
+    """They are loaded on first use; completion must offer them all the same."""
+    spec = importlib.util.find_spec("rail_cosim")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert set(module.__all__) <= set(dir(module))
+    assert "run" not in vars(module)

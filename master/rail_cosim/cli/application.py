@@ -13,6 +13,7 @@ import typer
 from rich.console import Console, RenderableType
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
+from typer.core import TyperCommand
 
 from rail_cosim import version
 from rail_cosim.errors import RailCosimError
@@ -44,6 +45,29 @@ app = typer.Typer(
     context_settings={"max_content_width": 100},
     pretty_exceptions_enable=False,
 )
+
+
+class GroupedCommand(TyperCommand):
+    """A command whose help lists its options in groups, by their ``rich_help_panel``.
+
+    Typer itself groups them in its boxes only.
+    """
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the options, group by group in the order of their first ones."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                argument = parameter.param_type_name == "argument"
+                usual = "Arguments" if argument else "Other options"
+                group = getattr(parameter, "rich_help_panel", None) or usual
+                groups.setdefault(group, []).append(record)
+        for group, records in groups.items():
+            with formatter.section(group):
+                formatter.write_dl(records)
+
+
 _DRAW_EVERY = 0.2  # s
 _WIDEST = 10_000  # characters
 _out = Console()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from rail_cosim.cli.application import (
+    GroupedCommand,
     Quiet,
     app,
     examples,
@@ -32,6 +33,7 @@ def _algorithms(typed: str) -> list[str]:
 
 
 @app.command(
+    cls=GroupedCommand,
     epilog=examples(
         "rail-cosim run --speed 300 --distance 200 --irregularity german_low --plot run.png",
         "rail-cosim run --set track.fastener.vertical_stiffness=140e6 --speed 170",
@@ -41,7 +43,7 @@ def _algorithms(typed: str) -> list[str]:
         "rail-cosim run --speed 170 --out winter.nc --write-case winter.toml",
         "rail-cosim run winter.toml --distance 200",
         "rail-cosim run --irregularity rail_joint --distance 20 --animate joint.mp4",
-    )
+    ),
 )
 def run(
     context: typer.Context,
@@ -56,36 +58,56 @@ def run(
     ] = None,
     line: Annotated[
         str | None,
-        typer.Option(help="Line: HD, ZX, paper. A parameter set of the track FMU.", metavar="NAME"),
+        typer.Option(
+            help="Line: HD, ZX, paper. A parameter set of the track FMU.",
+            metavar="NAME",
+            rich_help_panel="System",
+        ),
     ] = None,
     vehicle: Annotated[
         str | None,
         typer.Option(
-            help="Parameter set of the vehicle, or another vehicle FMU.", metavar="NAME|FMU"
+            help="Parameter set of the vehicle, or another vehicle FMU.",
+            metavar="NAME|FMU",
+            rich_help_panel="System",
         ),
     ] = None,
-    track: Annotated[Path | None, typer.Option(help="Another track FMU.", metavar="FMU")] = None,
+    track: Annotated[
+        Path | None,
+        typer.Option(help="Another track FMU.", metavar="FMU", rich_help_panel="System"),
+    ] = None,
     vehicle_map: Annotated[
         Path | None,
         typer.Option(
             help="Names of that vehicle FMU, where they are not those of the contract.",
             metavar="FILE.toml",
+            rich_help_panel="System",
         ),
     ] = None,
     track_map: Annotated[
         Path | None,
-        typer.Option(help="The same for the track FMU.", metavar="FILE.toml"),
+        typer.Option(
+            help="The same for the track FMU.", metavar="FILE.toml", rich_help_panel="System"
+        ),
     ] = None,
-    speed: Annotated[float | None, typer.Option(help="Running speed.", metavar="KM/H")] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="Running speed.", metavar="KM/H", rich_help_panel="Motion")
+    ] = None,
     distance: Annotated[
-        float, typer.Option(help="Way of the leading wheelset.", metavar="M")
+        float,
+        typer.Option(
+            help="Distance travelled by the leading wheelset.",
+            metavar="M",
+            rich_help_panel="Motion",
+        ),
     ] = 100.0,
     until_steady: Annotated[
         float | None,
         typer.Option(
             help="End when the motion is steady: the largest relative change of wheel forces and "
-            "axle-box accelerations from slab to slab, 0.001 say; --distance is the largest way.",
+            "axle-box accelerations from slab to slab, e.g. 0.001; --distance is the limit.",
             metavar="CHANGE",
+            rich_help_panel="Motion",
         ),
     ] = None,
     final_speed: Annotated[
@@ -93,6 +115,7 @@ def run(
         typer.Option(
             help="Speed at the end of the distance: the vehicle accelerates uniformly.",
             metavar="KM/H",
+            rich_help_panel="Motion",
         ),
     ] = None,
     irregularity: Annotated[
@@ -102,6 +125,7 @@ def run(
             "see track.irregularity.seed), rail_joint (both rails, at the first mid-span between "
             "fasteners 12 m ahead), or a CSV or NetCDF file by distance.",
             metavar="NAME|FILE",
+            rich_help_panel="Irregularity",
         ),
     ] = None,
     settings: Annotated[
@@ -110,36 +134,70 @@ def run(
             "--set",
             help="A parameter: track.NAME=VALUE or vehicle.NAME=VALUE. Repeat for more.",
             metavar="NAME=VALUE",
+            rich_help_panel="System",
         ),
     ] = None,
-    macro_step: Annotated[float, typer.Option(help="Communication step.", metavar="S")] = 1e-4,
+    macro_step: Annotated[
+        float, typer.Option(help="Communication step.", metavar="S", rich_help_panel="Numerics")
+    ] = 1e-4,
     algorithm: Annotated[
         str,
         typer.Option(
             help="gauss-seidel, jacobi, iterative-gauss-seidel.",
             metavar="NAME",
             autocompletion=_algorithms,
+            rich_help_panel="Numerics",
         ),
     ] = "gauss-seidel",
-    record_every: Annotated[int, typer.Option(help="Record every N-th step.", metavar="N")] = 1,
+    record_every: Annotated[
+        int, typer.Option(help="Record every N-th step.", metavar="N", rich_help_panel="Results")
+    ] = 1,
     trust: Annotated[
-        bool, typer.Option("--trust", help="Run FMUs that were not built here without a warning.")
+        bool,
+        typer.Option(
+            "--trust",
+            help="Run FMUs that were not built here without a warning.",
+            rich_help_panel="System",
+        ),
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="NetCDF file for the results.", metavar="FILE")
+        Path | None,
+        typer.Option(
+            help="NetCDF file for the results.", metavar="FILE", rich_help_panel="Results"
+        ),
+    ] = None,
+    variables: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Variables of the results, with * and ?: normal_force,axle_box_*; none: all. "
+            "The summary tells what it needs and is not recorded.",
+            metavar="NAME,...",
+            rich_help_panel="Results",
+        ),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Picture: .png, .pdf or .svg.", metavar="FILE")
+        Path | None,
+        typer.Option(
+            help="Picture: .png, .pdf or .svg.",
+            metavar="FILE",
+            rich_help_panel="Pictures and animation",
+        ),
     ] = None,
     animate: Annotated[
         Path | None,
         typer.Option(
-            help="Animation of vehicle, rails, slabs and window: .mp4 or .gif.", metavar="FILE"
+            help="Animation of vehicle, rails, slabs and window: .mp4 or .gif.",
+            metavar="FILE",
+            rich_help_panel="Pictures and animation",
         ),
     ] = None,
     slow_motion: Annotated[
         float,
-        typer.Option(help="Seconds of the animation per second of the run.", metavar="TIMES"),
+        typer.Option(
+            help="Seconds of the animation per second of the run.",
+            metavar="TIMES",
+            rich_help_panel="Pictures and animation",
+        ),
     ] = 50.0,
     exaggeration: Annotated[
         float | None,
@@ -147,20 +205,24 @@ def run(
             help="Of vertical displacements in the animation; none: so that the rails' largest is "
             "well seen.",
             metavar="TIMES",
+            rich_help_panel="Pictures and animation",
         ),
     ] = None,
     resume: Annotated[
         bool,
         typer.Option(
-            "--resume", help="Go on where the same command with the same --out was stopped."
+            "--resume",
+            help="Resume where the same command with the same --out was stopped.",
+            rich_help_panel="Stop and resume",
         ),
     ] = False,
     checkpoint_interval: Annotated[
         float,
         typer.Option(
-            help="Time between two checkpoints beside --out, from which --resume goes on after "
+            help="Time between two checkpoints beside --out, from which --resume starts after "
             "a crash; Ctrl-C makes one too.",
             metavar="S",
+            rich_help_panel="Stop and resume",
         ),
     ] = 60.0,
     case: Annotated[
@@ -169,6 +231,7 @@ def run(
             "--write-case",
             help="Write a run file that says what this command says, and end.",
             metavar="FILE",
+            rich_help_panel="Results",
         ),
     ] = None,
     quiet: Quiet = False,
@@ -206,6 +269,7 @@ def run(
             "record_every": record_every,
             "trust": trust,
             "out": out,
+            "variables": None if variables is None else split(variables),
             "plot": plot,
             "animate": animate,
             "slow_motion": slow_motion,
@@ -223,6 +287,11 @@ def run(
             say(str(case))
             return
         _run(options)
+
+
+def split(texts: list[str]) -> list[str]:
+    """Return the names in texts separated by commas."""
+    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
 
 
 def _options(values: dict[str, Any]) -> RunOptions:
@@ -249,6 +318,8 @@ def _run(options: RunOptions) -> None:
         _kept(options.out, error)
         raise
     _summary(dataset)
+    if options.out is None:
+        say("the results were not kept: give --out FILE.nc to write them")
 
 
 def _summary(dataset) -> None:

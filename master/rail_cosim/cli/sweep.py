@@ -77,9 +77,11 @@ def sweep(
 
     SPEC has [grid] with axes (options of run, or parameters), or single
     [[points]]; [run] and [set] fix options and parameters; [keep] says which
-    statistics of which variables over the last slab length. Runs end when they
-    are steady (until_steady, 0.001) or after distance (500 m). Paths in SPEC are
-    seen from its folder.
+    statistics of which variables; [window] over what: from and to (distance
+    travelled, m) or last_slabs. Runs end when they are steady (until_steady,
+    0.001) or after distance (500 m). Without [window] their last slab length is
+    evaluated, and the whole run where until_steady is false, as it is with an
+    irregularity unless given. Paths in SPEC are relative to its folder.
 
     The picture has a panel for each quantity: curves over one axis; over two a
     family of curves or a map; of the wheels the largest value (of a minimum the

@@ -14,7 +14,7 @@ from rail_cosim.archives import LARGEST, opened, read_member
 from rail_cosim.description import FmuDescription
 from rail_cosim.errors import UnknownNameError
 from rail_cosim.options import RunOptions
-from rail_cosim.results import place
+from rail_cosim.results import variable_names
 from rail_cosim.runner import find_fmus, gather_parameters
 from rail_cosim.slave import Renaming, Value
 from rail_cosim.sweeps.specification import SweepSpecification
@@ -204,13 +204,7 @@ def _check_variables(
     UnknownNameError
         For a variable to keep that is no output.
     """
-    outputs = [
-        place(variable.name).variable
-        for about in descriptions.values()
-        for variable in about.variables.values()
-        if variable.causality == "output"
-    ]
-    known = list(dict.fromkeys([*outputs, "distance"]))
+    known = variable_names(descriptions.values())
     for option, names in (("keep", specification.keep), ("history", specification.history)):
         for name in names:
             if name not in known:
