@@ -1,6 +1,7 @@
 """Sweeps with the real FMUs: short runs with few modes, killed, resumed, and shared out."""
 
 import os
+import re
 import signal
 import sys
 import time
@@ -59,7 +60,10 @@ def test_two_by_two_points(two_by_two):
     np.testing.assert_allclose(data["normal_force_mean"], 69214.4, rtol=1e-3)
     frequency = data["axle_box_vertical_acceleration_dominant_frequency"]
     np.testing.assert_allclose(frequency[0], 200 / 3.6 / 0.629, rtol=1e-6)
-    assert "points  4" in done.stdout
+    assert re.search(r"points +4", done.stdout)
+    assert re.search(r"evaluated over +last slab length", done.stdout)
+    assert data["normal_force_max"].attrs["evaluation_window"] == "last slab length"
+    np.testing.assert_allclose(data["window_stop"] - data["window_start"], 5.032, rtol=1e-6)
     assert "Traceback" not in done.stderr
 
 

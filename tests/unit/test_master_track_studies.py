@@ -94,6 +94,7 @@ def test_amplitudes_below_500_hz_leave_out_what_is_above():
         {"force": (("time", "wheelset"), (9.0 + 2.0 * low + 5.0 * high)[:, None])},
         coords={"time": time},
         attrs={
+            "steady": 1,
             "speed_km_h": 3.6,
             "track.fastener.spacing": 0.05,
             "track.fastener.count_per_slab": 2,
