@@ -7,17 +7,11 @@ import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
 from rail_cosim.algorithms import GaussSeidel, make_algorithm
-from rail_cosim.animation import (
-    PROFILES_WANTED,
-    Film,
-    check_animation,
-    check_track,
-    write_animation,
-)
 from rail_cosim.attributes import (
     REMARKS,
     changed_attribute,
@@ -38,7 +32,6 @@ from rail_cosim.name_map import described
 from rail_cosim.options import KM_H, MACRO_STEP, RunOptions
 from rail_cosim.pace import planned_time, running_speed, step_count
 from rail_cosim.parameters import checked, number_of, parse_assignments
-from rail_cosim.plot import check_format, plot_run
 from rail_cosim.presets import preset_values
 from rail_cosim.ramp import SpeedRamp
 from rail_cosim.recorded import check_variables
@@ -56,6 +49,9 @@ from rail_cosim.system import SystemStructure
 from rail_cosim.threads import one_thread
 from rail_cosim.trust import foreign_remark
 from rail_cosim.wheelsets import wheelset_parameters
+
+if TYPE_CHECKING:
+    from rail_cosim.animation import Film
 
 
 def run(
@@ -192,9 +188,13 @@ def execute(options: RunOptions, reporter: Reporter) -> RunResult:
     if options.out:
         check_netcdf(options.out)
     if options.plot:
+        from rail_cosim.plot import check_format
+
         check_format(options.plot)
         check_writable(options.plot)
     if options.animate:
+        from rail_cosim.animation import check_animation
+
         check_animation(options.animate)
     make_algorithm(options.algorithm)
     reporter.stage("finding the FMUs")
@@ -215,6 +215,8 @@ def execute(options: RunOptions, reporter: Reporter) -> RunResult:
     changed = changed_attribute(descriptions, preset_values(descriptions, presets), parameters)
     film = None
     if options.animate:
+        from rail_cosim.animation import PROFILES_WANTED, Film, check_track
+
         check_track(descriptions["track"].variables, descriptions["track"].path.name)
         film = Film(options.slow_motion)
         if PROFILES_WANTED in descriptions["track"].variables:
@@ -222,8 +224,12 @@ def execute(options: RunOptions, reporter: Reporter) -> RunResult:
     recorded, outcome = simulate(options, descriptions, parameters, reporter, changed, film)
     dataset = RunResult.of(recorded)
     if film is not None and options.animate:
+        from rail_cosim.animation import write_animation
+
         write_animation(film, options.animate, reporter, exaggeration=options.exaggeration)
     if options.plot and dataset.sizes["time"] > 1:
+        from rail_cosim.plot import plot_run
+
         plot_run(dataset, summarise(dataset), options.plot)
     if isinstance(outcome.error, KeyboardInterrupt):
         raise RunInterrupted(ended_by(outcome), dataset) from outcome.error

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections import Counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -13,11 +13,13 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from rail_cosim.bench import Benchmark
 from rail_cosim.events import wheel_name
 from rail_cosim.irregularity import irregularity_words
 from rail_cosim.summary import Summary
-from rail_cosim.sweeps.quantities import WINDOW
+from rail_cosim.window import ATTRIBUTE
+
+if TYPE_CHECKING:
+    from rail_cosim.bench import Benchmark
 
 _SHOWN = 10
 _WIDTH = 100
@@ -201,7 +203,7 @@ def sweep_table(dataset: xr.Dataset) -> Table:
     if "steady" in dataset:
         facts.add_row("steady", str(int((dataset["steady"] == 1).sum())))
     windows = dict.fromkeys(
-        str(array.attrs[WINDOW]) for array in dataset.values() if WINDOW in array.attrs
+        str(array.attrs[ATTRIBUTE]) for array in dataset.values() if ATTRIBUTE in array.attrs
     )
     if windows:
         facts.add_row("evaluated over", ", ".join(windows))

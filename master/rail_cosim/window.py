@@ -18,6 +18,9 @@ SETTLED_SHARE = 0.5
 LONGEST = 200_000
 """Records at the end of a run that its evaluation window is chosen from."""
 
+ATTRIBUTE = "evaluation_window"
+"""Of a statistic in a data set: over what it was evaluated."""
+
 OPTION = "window"
 _ENTRIES = ("from", "to", "last_slabs")
 _FEWEST = 2  # records

@@ -24,8 +24,8 @@ A limit frequency is where the gain is -3 dB; the slope is at least 24 dB per oc
 from __future__ import annotations
 
 import numpy as np
+import scipy  # its parts are imported when they are used
 import xarray as xr
-from scipy import signal
 
 from rail_cosim.errors import ParameterError
 from rail_cosim.postprocessing.signals import Array, along_time, sampling_rate
@@ -88,12 +88,12 @@ def _butterworth(array: xr.DataArray, cutoff: float, kind: str) -> xr.DataArray:
     if not 0.0 < cutoff < 0.5 * rate:
         limit = f"must be between 0 and half the sampling rate, {0.5 * rate:g} Hz"
         raise ParameterError("cutoff", cutoff, limit, "record more often or filter lower")
-    sections = signal.butter(_ORDER, cutoff, kind, fs=rate, output="sos")
+    sections = scipy.signal.butter(_ORDER, cutoff, kind, fs=rate, output="sos")
 
     def filtered(values: Array) -> Array:
-        state = signal.sosfilt_zi(sections)
+        state = scipy.signal.sosfilt_zi(sections)
         state = state.reshape(*state.shape, *[1] * (values.ndim - 1)) * values[0]
-        return signal.sosfilt(sections, values, axis=0, zi=state)[0]
+        return scipy.signal.sosfilt(sections, values, axis=0, zi=state)[0]
 
     return along_time(filtered, array)
 

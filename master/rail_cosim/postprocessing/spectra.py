@@ -13,8 +13,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy  # its parts are imported when they are used
 import xarray as xr
-from scipy import signal
 
 from rail_cosim.errors import ParameterError
 from rail_cosim.postprocessing.signals import (
@@ -67,7 +67,7 @@ def power_spectral_density(array: xr.DataArray, *, resolution: float = 0.0) -> x
     frequencies = np.fft.rfftfreq(segment, 1.0 / rate)
 
     def density(values: Array) -> Array:
-        return signal.welch(values, fs=rate, window="hann", nperseg=segment, axis=0)[1]
+        return scipy.signal.welch(values, fs=rate, window="hann", nperseg=segment, axis=0)[1]
 
     coordinate = xr.Variable("frequency", frequencies, _FREQUENCY)
     return to_lines(density, array, "frequency", coordinate, units=squared_unit(array, "Hz"))
@@ -225,7 +225,7 @@ def spectrogram(
     if not 0.0 <= overlap < 1.0:
         raise ParameterError("overlap", overlap, "must be at least 0 and less than 1")
     ordered = array.transpose("time", ...)
-    frequencies, times, found = signal.spectrogram(
+    frequencies, times, found = scipy.signal.spectrogram(
         ordered.to_numpy().astype(float),
         fs=rate,
         window="hann",

@@ -38,8 +38,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy  # its parts are imported when they are used
 import xarray as xr
-from scipy import signal
 
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.postprocessing.signals import Array, along_time, sampling_rate
@@ -160,6 +160,6 @@ def weighted(acceleration: xr.DataArray, name: str) -> xr.DataArray:
     if rate < LEAST_RATE * (1.0 - 1e-6):
         limit = f"must be at least {LEAST_RATE:g} Hz for weightings up to 100 Hz"
         raise ParameterError("sampling rate", rate, limit, "record more often")
-    roots = signal.tf2zpk(chosen.numerator, chosen.denominator)
-    sections = signal.zpk2sos(*signal.bilinear_zpk(*roots, fs=rate))
-    return along_time(lambda x: np.asarray(signal.sosfilt(sections, x, axis=0)), acceleration)
+    roots = scipy.signal.tf2zpk(chosen.numerator, chosen.denominator)
+    sections = scipy.signal.zpk2sos(*scipy.signal.bilinear_zpk(*roots, fs=rate))
+    return along_time(lambda x: np.asarray(scipy.signal.sosfilt(sections, x, axis=0)), acceleration)

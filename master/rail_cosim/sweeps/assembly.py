@@ -12,7 +12,7 @@ import xarray as xr
 from rail_cosim import version
 from rail_cosim.sweeps.plan import Plan
 from rail_cosim.sweeps.point import PointResult
-from rail_cosim.sweeps.quantities import WINDOW
+from rail_cosim.window import ATTRIBUTE
 
 POINT = "point"
 
@@ -70,8 +70,8 @@ def _templates(results: Sequence[PointResult]) -> dict[str, xr.DataArray]:
 def _windows(results: Sequence[PointResult], name: str) -> dict[str, str]:
     """Return over what a statistic was evaluated, if it is one; all windows if they differ."""
     attributes = [result.data[name].attrs for result in results if name in result.data]
-    texts = [about[WINDOW] for about in attributes if WINDOW in about]
-    return {WINDOW: " or ".join(dict.fromkeys(texts))} if texts else {}
+    texts = [about[ATTRIBUTE] for about in attributes if ATTRIBUTE in about]
+    return {ATTRIBUTE: " or ".join(dict.fromkeys(texts))} if texts else {}
 
 
 def _sizes(results: Sequence[PointResult], template: xr.DataArray) -> tuple[int, ...]:

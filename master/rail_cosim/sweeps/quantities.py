@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rail_cosim.errors import ParameterError, UnknownNameError
 from rail_cosim.postprocessing.filters import low_pass
 from rail_cosim.postprocessing.statistics import half_range_below_limit
-from rail_cosim.window import EvaluationWindow, WindowChoice, periods, time_between
+from rail_cosim.window import ATTRIBUTE, EvaluationWindow, WindowChoice, periods, time_between
 
 Array = NDArray[np.float64]
 _PERCENTILE = re.compile(r"p(?P<percent>\d+(?:\.\d+)?)(?P<filtered>_20_hz)?", re.ASCII)
@@ -59,9 +59,6 @@ SLAB_PEAK = "slab_peak"
 
 NAMES = (*STATISTICS, SLAB_PEAK)
 """All statistics but the percentiles."""
-
-WINDOW = "evaluation_window"
-"""Attribute of a statistic: over what it was evaluated."""
 
 PERIODIC = ("half_range_500_hz", SLAB_PEAK)
 """Those that are taken from whole slab lengths: their Fourier terms must be periodic."""
@@ -122,7 +119,7 @@ def evaluate(
             about = {
                 "units": unit or records.attrs.get("units", "1"),
                 "long_name": f"{words} {records.attrs.get('long_name', name)}",
-                WINDOW: text,
+                ATTRIBUTE: text,
             }
             values = function(part.to_numpy(), step)
             found[f"{name}_{statistic}"] = (dimensions, values, about)
