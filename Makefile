@@ -22,6 +22,12 @@ $(STAMP): pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	@touch $@
 
+# The kernels' libraries: made by the installation, and again where their sources changed.
+CORES := $(VENV)/.cores
+$(CORES): $(STAMP) $(shell find fmus master -name '*.py' -path '*kernel*' -o -name loop.c)
+	$(BIN)/python -m rail_native rail_vehicle slab_track rail_cosim
+	@touch $@
+
 # Only the tests need these.
 $(TOOLS): $(STAMP)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
@@ -31,14 +37,14 @@ $(TOOLS): $(STAMP)
 	@touch $@
 
 # Sets up, builds both FMUs, runs the HD line at 300 km/h; results and plots in results/.
-run: $(STAMP)
+run: $(CORES)
 	@mkdir -p results
 	$(BIN)/rail-cosim run --line HD --speed 300 --distance 100 --out results/run.nc --plot results/run.png
 
-test: $(TOOLS)
+test: $(TOOLS) $(CORES)
 	$(BIN)/python -m pytest -n 2 --dist loadfile
 
-test-slow: $(TOOLS)
+test-slow: $(TOOLS) $(CORES)
 	$(BIN)/python -m pytest -n 2 --dist loadfile -m slow
 
 # 100 km in one go: memory and drift; half an hour.

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rail_quantities import with_values
 from slab_track import TrackModel, TrackParameters
-from slab_track.contact.fastsim import creep_forces, fastsim_grid
+from slab_track.contact.fastsim import STRIP_WORK, creep_forces, fastsim_grid
 
 SPEED, STEP = 300.0 / 3.6, 1e-4
 
@@ -37,9 +37,9 @@ def steps(count, **settings):
 
 
 def test_fastsim(benchmark):
-    grid = fastsim_grid(10, 8)
+    grid = fastsim_grid(10, 8), np.zeros(STRIP_WORK)
     patch = (71733.0, 6.0e-3, 6.1e-3, 4.1, 3.6, 1.5, 8e10, 0.3, 4e-4, 3e-6, 2.9e-2)
-    force = benchmark(creep_forces, grid, *patch)
+    force = benchmark(creep_forces, *grid, *patch)
     assert force[0] < 0.0
 
 

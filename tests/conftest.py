@@ -13,6 +13,7 @@ from rail_fmi.bundle import source_hash
 ROOT = Path(__file__).parents[1]
 PACKAGES = (
     "fmus/common/rail_fmi",
+    "fmus/common/rail_native",
     "fmus/common/rail_quantities",
     "fmus/track/slab_track",
     "fmus/vehicle/rail_vehicle",
@@ -40,7 +41,7 @@ def pytest_configure(config):
 
 
 def _share_sources(cache: Path) -> None:
-    """Have the FMUs import the sources that the tests import, so that each kernel compiles once.
+    """Have the FMUs import the sources that the tests import, so that nothing is copied.
 
     An FMU looks for its packages in the cache by their hash; a link there is as good as the copy
     that it would make. `tests/component` and `tests/system/test_faults.py` have it make copies.

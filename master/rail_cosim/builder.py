@@ -45,12 +45,12 @@ class Recipe:
 VEHICLE = Recipe(
     model="HighSpeedVehicle",
     entry="vehicle_fmu",
-    packages=("rail_quantities", "rail_fmi", "rail_vehicle"),
+    packages=("rail_quantities", "rail_fmi", "rail_native", "rail_vehicle"),
 )
 TRACK = Recipe(
     model="InfiniteSlabTrack",
     entry="track_fmu",
-    packages=("rail_quantities", "rail_fmi", "slab_track"),
+    packages=("rail_quantities", "rail_fmi", "rail_native", "slab_track"),
 )
 RECIPES = {"vehicle": VEHICLE, "track": TRACK}
 

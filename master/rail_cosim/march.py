@@ -1,8 +1,8 @@
-"""Macro steps of FMUs in compiled code: the same calls in the same order, without Python between.
+"""Macro steps of FMUs in C: the same calls in the same order, without Python between.
 
 A macro step makes some seven calls of FMI functions; the interpreter's own work between them and
-around each of them costs about as much as a call does. So a block of steps runs in one compiled
-function that calls the FMUs' functions by their addresses. It does what
+around each of them costs about as much as a call does. So a block of steps runs in ``loop.c``,
+which calls the FMUs' functions by their addresses. It does what
 :class:`rail_cosim.algorithms.GaussSeidel` or :class:`rail_cosim.algorithms.Jacobi`, the recorder
 and the energy's observer do in Python, value for value; those remain for slaves that are no FMUs,
 for the iterative algorithm, and where something is set from outside in every step.
@@ -10,19 +10,17 @@ for the iterative algorithm, and where something is set from outside in every st
 
 from __future__ import annotations
 
+import ctypes
+from collections.abc import Iterable
 from typing import Any, cast
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from rail_cosim import packed
+from rail_cosim.core import core
 from rail_cosim.exchange import Port
 from rail_cosim.fmu import FmuSlave, FmuVector
-from rail_cosim.kept_code import compiled
-from rail_cosim.packed import unpack
 from rail_cosim.recorder import Recorder
 from rail_cosim.system import SystemStructure
 
@@ -32,181 +30,68 @@ LONGEST = 200
 LARGEST_VALUE = 1e12
 """No exchanged quantity comes near this in SI units."""
 
-# Columns of the table of calls, one row for each port.
-_COMPONENT, _DO_STEP, _ROLLS_BACK = 0, 1, 2
-_SET, _INPUTS, _INPUT_COUNT, _INPUT_VALUES = 3, 4, 5, 6
-_GET, _OUTPUTS, _OUTPUT_COUNT, _COUPLED, _OUTPUT_VALUES = 7, 8, 9, 10, 11
-_COUNT, _COUNTERS, _COUNTER_COUNT, _COUNTER_VALUES = 12, 13, 14, 15
-_TEXT, _TEXT_REFERENCE, _TEXT_PLACE = 16, 17, 18
-_WIDTH = 19
-_WARNING, _ERROR = 1, 3
 _CALLS = ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal", "fmi2GetInteger", "fmi2GetString")
 _DIVERGED = len(_CALLS)
 
-
-def _make_vector_call(
-    typing: Any, address: Any, component: Any, references: Any, count: Any, values: Any
-) -> Any:
-    """Call an FMI function that gets or sets values of variables; return its status."""
-    signature = types.int32(types.int64, types.int64, types.int64, types.int64, types.int64)
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer, long = ir.IntType(8).as_pointer(), ir.IntType(64)
-        kind = ir.FunctionType(ir.IntType(32), [pointer, pointer, long, pointer])
-        where, *given = arguments
-        function = builder.inttoptr(where, kind.as_pointer())
-        given[0], given[1] = (builder.inttoptr(value, pointer) for value in given[:2])
-        given[3] = builder.inttoptr(given[3], pointer)
-        return builder.call(function, given)
-
-    return signature, generate
+_POINTER, _LONG = ctypes.c_void_p, ctypes.c_int64
 
 
-def _make_step_call(
-    typing: Any, address: Any, component: Any, time: Any, step_size: Any, rolls_back: Any
-) -> Any:
-    """Call fmi2DoStep; return its status."""
-    signature = types.int32(types.int64, types.int64, types.float64, types.float64, types.int64)
+class _Fmu(ctypes.Structure):
+    """``Fmu`` of loop.c."""
 
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer, real = ir.IntType(8).as_pointer(), ir.DoubleType()
-        kind = ir.FunctionType(ir.IntType(32), [pointer, real, real, ir.IntType(32)])
-        where, component, time, step_size, rolls_back = arguments
-        function = builder.inttoptr(where, kind.as_pointer())
-        forward = builder.icmp_signed("==", rolls_back, ir.Constant(ir.IntType(64), 0))
-        flag = builder.zext(forward, ir.IntType(32))
-        return builder.call(function, [builder.inttoptr(component, pointer), time, step_size, flag])
-
-    return signature, generate
-
-
-_vector_call: Any = intrinsic(_make_vector_call)
-_step_call: Any = intrinsic(_make_step_call)
-
-
-@compiled
-def _set_inputs(call: Any, feeds: Array, board: Array, sources: Any, first: int) -> int:
-    for index in range(call[_INPUT_COUNT]):
-        feeds[first + index] = board[sources[first + index]]
-    if call[_INPUT_COUNT] == 0:
-        return 0
-    return _vector_call(
-        call[_SET], call[_COMPONENT], call[_INPUTS], call[_INPUT_COUNT], call[_INPUT_VALUES]
-    )
+    _fields_ = [
+        ("component", _POINTER),
+        ("do_step", _POINTER),
+        ("rolls_back", _LONG),
+        ("set_real", _POINTER),
+        ("inputs", _POINTER),
+        ("input_count", _LONG),
+        ("input_values", _POINTER),
+        ("sources", _POINTER),
+        ("get_real", _POINTER),
+        ("outputs", _POINTER),
+        ("output_count", _LONG),
+        ("coupled_count", _LONG),
+        ("output_values", _POINTER),
+        ("get_integer", _POINTER),
+        ("counters", _POINTER),
+        ("counter_count", _LONG),
+        ("counter_values", _POINTER),
+        ("get_string", _POINTER),
+        ("text", _POINTER),
+        ("text_count", _LONG),
+        ("text_reals", _POINTER),
+        ("text_counters", _POINTER),
+    ]
 
 
-@compiled
-def _read_text(call: Any, text: Any, targets: Any, bits: Any, board: Array, counters: Any) -> int:
-    """Read all outputs of an FMU as one text, (n,) numbers with places ``targets`` (n,)."""
-    status = _vector_call(
-        call[_TEXT], call[_COMPONENT], call[_TEXT_REFERENCE], 1, call[_TEXT_PLACE]
-    )
-    if status > _WARNING:
-        return status
-    if text[0] == 0 or not unpack(text[0], bits):
-        return _ERROR
-    values = bits.view(np.float64)
-    for index in range(len(targets)):
-        if targets[index] >= 0:
-            board[targets[index]] = values[index]
-        else:
-            counters[-1 - targets[index]] = np.int32(values[index])
-    return status
+class _Recording(ctypes.Structure):
+    """``Recording`` of loop.c."""
+
+    _fields_ = [
+        ("every", _LONG),
+        ("width", _LONG),
+        ("real_count", _LONG),
+        ("counter_count", _LONG),
+        ("watched_count", _LONG),
+        ("reals", _POINTER),
+        ("watched", _POINTER),
+        ("counters", _POINTER),
+        ("real_columns", _POINTER),
+        ("counter_columns", _POINTER),
+        ("records", _POINTER),
+        ("seen", _POINTER),
+    ]
 
 
-@compiled
-def _march(
-    calls: Any,
-    firsts: Any,
-    sources: Any,
-    feeds: Array,
-    board: Array,
-    counters: Any,
-    done: int,
-    count: int,
-    step_size: float,
-    sequential: bool,
-    every: int,
-    records: Array,
-    real_columns: Any,
-    counter_columns: Any,
-    watched: Any,
-    seen: Array,
-    places: Any,
-    texts: Any,
-    targets: Any,
-    ends: Any,
-    bits: Any,
-) -> tuple[int, int, int, int, int]:
-    """Do ``count`` steps; return steps done, records made, and a failing port, call and status."""
-    recorded = 0
-    for step in range(done + 1, done + count + 1):
-        time = (step - 1) * step_size
-        due = step % every == 0
-        if not sequential:
-            for port in range(len(calls)):
-                status = _set_inputs(calls[port], feeds, board, sources, firsts[port])
-                if status > _WARNING:
-                    return step - 1, recorded, port, 0, status
-        for port in range(len(calls)):
-            call = calls[port]
-            if sequential:
-                status = _set_inputs(call, feeds, board, sources, firsts[port])
-                if status > _WARNING:
-                    return step - 1, recorded, port, 0, status
-            status = _step_call(
-                call[_DO_STEP], call[_COMPONENT], time, step_size, call[_ROLLS_BACK]
-            )
-            if status > _WARNING:
-                return step - 1, recorded, port, 1, status
-            numbers = ends[port + 1] - ends[port] if due else 0
-            if numbers > 0:
-                status = _read_text(
-                    call,
-                    texts[port : port + 1],
-                    targets[ends[port] : ends[port + 1]],
-                    bits[:numbers],
-                    board,
-                    counters,
-                )
-                if status > _WARNING:
-                    return step - 1, recorded, port, 4, status
-            wanted = call[_OUTPUT_COUNT] if due else call[_COUPLED]
-            if numbers == 0 and wanted > 0:
-                status = _vector_call(
-                    call[_GET], call[_COMPONENT], call[_OUTPUTS], wanted, call[_OUTPUT_VALUES]
-                )
-                if status > _WARNING:
-                    return step - 1, recorded, port, 2, status
-            for index in range(places[port], places[port] + call[_COUPLED]):
-                if not abs(board[index]) < LARGEST_VALUE:
-                    return step - 1, recorded, port, _DIVERGED, 0
-            if due and numbers == 0 and call[_COUNTER_COUNT] > 0:
-                status = _vector_call(
-                    call[_COUNT],
-                    call[_COMPONENT],
-                    call[_COUNTERS],
-                    call[_COUNTER_COUNT],
-                    call[_COUNTER_VALUES],
-                )
-                if status > _WARNING:
-                    return step - 1, recorded, port, 3, status
-        row = seen[step - done - 1]
-        for index in range(len(watched)):
-            row[index] = board[watched[index]]
-        if due:
-            record = records[recorded]
-            record[0] = step * step_size
-            for index in range(len(board)):
-                record[real_columns[index]] = board[index]
-            for index in range(len(counters)):
-                record[counter_columns[index]] = counters[index]
-            recorded += 1
-    return done + count, recorded, -1, 0, 0
+class _End(ctypes.Structure):
+    """``End`` of loop.c."""
+
+    _fields_ = [(name, _LONG) for name in ("done", "recorded", "fmu", "call", "status")]
 
 
 class March:
-    """Steps the FMUs of a system in compiled code.
+    """Steps the FMUs of a system in C.
 
     Parameters
     ----------
@@ -224,6 +109,8 @@ class March:
     ----------
     finished
         What :meth:`run` returned, or would have returned had it not raised.
+    text_counts
+        How many numbers each FMU gives as one text.
     """
 
     def __init__(
@@ -235,70 +122,63 @@ class March:
         watched: NDArray[np.intp],
     ) -> None:
         self._system, self._sequential, self._recorder = system, sequential, recorder
-        self._watched = watched
-        slaves = [cast(FmuSlave, port.slave) for port in system.ports]
-        self._slaves = slaves
-        self._calls = np.array([_row(port) for port in system.ports], dtype=np.int64)
-        counts = [len(port.inputs.names) for port in system.ports]
-        self._firsts = np.cumsum([0, *counts[:-1]])
-        self._sources = system.sources
-        first = system.board.ctypes.data
-        self._places = np.array(
-            [(p.outputs.values.ctypes.data - first) // 8 for p in system.ports], dtype=np.int64
-        )
-        self._find_texts()
-        self._real_columns, self._counter_columns = recorder.places()
+        self._slaves = [cast(FmuSlave, port.slave) for port in system.ports]
+        self._kept: list[Any] = []
         self._records = np.empty((LONGEST, recorder.width))
         self._seen = np.empty((LONGEST, len(watched)))
+        first = 0
+        fmus = []
+        for port in system.ports:
+            count = len(port.inputs.names)
+            fmus.append(self._described(port, system.sources[first : first + count]))
+            first += count
+        self._fmus = (_Fmu * len(fmus))(*fmus)
+        self.text_counts = [fmu.text_count for fmu in fmus]
+        self._recording = self._described_recording(watched)
+        self._call = core.library.rail_cosim_steps
+        self._call.restype = None
         self.finished = 0, self._seen[:0]
-        self._steps(0, 0, 1.0)  # compiles it, before time matters
 
-    def _find_texts(self) -> None:
-        """Find which FMUs give their outputs as one text, and what of it goes where."""
-        counts = [len(port.counters.names) for port in self._system.ports]
-        counters = np.cumsum([0, *counts])
-        targets = [
-            packed.targets(port, int(first), int(counter))
-            for port, first, counter in zip(
-                self._system.ports, self._places, counters[:-1], strict=True
-            )
-        ]
-        self._ends = np.cumsum([0, *map(len, targets)])
-        self._targets = np.concatenate([np.zeros(0, dtype=np.int64), *targets])
-        self._texts = np.zeros(len(targets), dtype=np.int64)
-        self._bits = np.zeros(max(map(len, targets), default=0), dtype=np.uint64)
-        self._text_references = np.zeros(len(targets), dtype=np.uint32)
-        for place, (row, slave) in enumerate(zip(self._calls, self._slaves, strict=True)):
-            if len(targets[place]):
-                self._text_references[place] = slave.variables[packed.NAME].reference
-                row[_TEXT] = slave.address("fmi2GetString")
-                row[_TEXT_REFERENCE] = self._text_references[place:].ctypes.data
-                row[_TEXT_PLACE] = self._texts[place:].ctypes.data
+    def _array(self, values: Iterable[Any], dtype: Any = np.int64) -> int:
+        """Keep an array in memory and return its address."""
+        array = np.ascontiguousarray(list(values), dtype=dtype)
+        self._kept.append(array)
+        return array.ctypes.data
 
-    def _steps(self, done: int, count: int, step_size: float) -> tuple[int, int, int, int, int]:
-        return _march(
-            self._calls,
-            self._firsts,
-            self._sources,
-            self._system.feeds,
-            self._system.board,
-            self._system.counters,
-            done,
-            count,
-            step_size,
-            self._sequential,
-            self._recorder.every,
-            self._records,
-            self._real_columns,
-            self._counter_columns,
-            self._watched,
-            self._seen,
-            self._places,
-            self._texts,
-            self._targets,
-            self._ends,
-            self._bits,
-        )
+    def _described(self, port: Port, sources: NDArray[np.intp]) -> _Fmu:
+        slave, fmu = cast(FmuSlave, port.slave), _Fmu()
+        fmu.component, fmu.do_step = slave.addresses()
+        _, fmu.set_real, fmu.inputs, fmu.input_values = _addresses(port.inputs)
+        fmu.get_real, _, fmu.outputs, fmu.output_values = _addresses(port.outputs)
+        fmu.get_integer, _, fmu.counters, fmu.counter_values = _addresses(port.counters)
+        fmu.input_count, fmu.sources = len(port.inputs.names), self._array(sources)
+        fmu.output_count, fmu.coupled_count = len(port.outputs.names), port.coupled
+        fmu.counter_count = len(port.counters.names)
+        names = packed.names(port)
+        if names:
+            fmu.get_string = slave.address("fmi2GetString")
+            fmu.text = self._array([slave.variables[packed.NAME].reference], np.uint32)
+            fmu.text_count = len(names)
+            places = [_place(port.outputs, name) for name in names]
+            fmu.text_reals = self._array(places, np.uintp)
+            places = [_place(port.counters, name) for name in names]
+            fmu.text_counters = self._array(places, np.uintp)
+        return fmu
+
+    def _described_recording(self, watched: NDArray[np.intp]) -> _Recording:
+        system, to = self._system, _Recording()
+        board, counters = system.board, system.counters
+        real_columns, counter_columns = self._recorder.places()
+        to.every, to.width = self._recorder.every, self._recorder.width
+        to.real_count, to.counter_count = len(real_columns), len(counter_columns)
+        to.watched_count = len(watched)
+        to.reals = self._array(board.ctypes.data + 8 * np.arange(board.size), np.uintp)
+        to.watched = self._array(board.ctypes.data + 8 * np.asarray(watched), np.uintp)
+        to.counters = self._array(counters.ctypes.data + 4 * np.arange(counters.size), np.uintp)
+        to.real_columns = self._array(real_columns)
+        to.counter_columns = self._array(counter_columns)
+        to.records, to.seen = self._records.ctypes.data, self._seen.ctypes.data
+        return to
 
     def run(self, done: int, count: int, step_size: float) -> tuple[int, Array]:
         """Do up to :data:`LONGEST` steps after ``done``; record what is due.
@@ -318,31 +198,35 @@ class March:
             When a slave returns a status that ends the run. The steps before are then in
             :attr:`finished` and recorded.
         """
-        for row, slave in zip(self._calls, self._slaves, strict=True):
-            row[_ROLLS_BACK] = slave.rolls_back
-        reached, recorded, port, call, status = self._steps(done, count, step_size)
-        self._recorder.append(self._records[:recorded])
-        self.finished = reached, self._seen[: reached - done]
+        for fmu, slave in zip(self._fmus, self._slaves, strict=True):
+            fmu.rolls_back = slave.rolls_back
+        end = _End()
+        self._call(
+            self._fmus,
+            _LONG(len(self._fmus)),
+            _POINTER(self._system.board.ctypes.data),
+            _LONG(done),
+            _LONG(count),
+            ctypes.c_double(step_size),
+            _LONG(self._sequential),
+            ctypes.byref(self._recording),
+            ctypes.byref(end),
+        )
+        self._recorder.append(self._records[: end.recorded])
+        self.finished = end.done, self._seen[: end.done - done]
         for slave in self._slaves:
-            slave.time = reached * step_size
-        if port >= 0 and call != _DIVERGED:
-            self._slaves[port].fail(_CALLS[call], status)
+            slave.time = end.done * step_size
+        if end.fmu >= 0 and end.call != _DIVERGED:
+            self._slaves[end.fmu].fail(_CALLS[end.call], end.status)
         return self.finished
 
 
-def _row(port: Port) -> list[int]:
-    """Return the addresses and counts of the calls of one port."""
-    slave = cast(FmuSlave, port.slave)
-    row = [0] * _WIDTH
-    row[_COMPONENT], row[_DO_STEP] = slave.addresses()
-    for first, vector in (
-        (_SET, port.inputs),
-        (_GET, port.outputs),
-        (_COUNT, port.counters),
-    ):
-        getter, setter, references, values = cast(FmuVector, vector).addresses()
-        row[first] = setter if vector is port.inputs else getter
-        row[first + 1], row[first + 2] = references, len(vector.names)
-        row[first + 4 if vector is port.outputs else first + 3] = values
-    row[_COUPLED] = port.coupled
-    return row
+def _addresses(vector: Any) -> tuple[int, int, int, int]:
+    return cast(FmuVector, vector).addresses()
+
+
+def _place(vector: Any, name: str) -> int:
+    """Return where a value of a vector is in memory; 0 if it is not in it."""
+    if name not in vector.names:
+        return 0
+    return vector.values[vector.names.index(name) :].ctypes.data

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from slab_track.contact import ContactParameters, fastsim, kalker_coefficients
-from slab_track.contact.fastsim import closed_form, creep_forces, fastsim_grid
+from slab_track.contact.fastsim import STRIP_WORK, closed_form, creep_forces, fastsim_grid
 
 A, B, G, NU, MU, LOAD = 6.3e-3, 12.6e-3, 82e9, 0.28, 0.33, 106.7e3
 C11, C22, C23 = kalker_coefficients(A / B, NU)
@@ -82,15 +82,16 @@ def test_no_load_or_no_friction_gives_no_force():
 
 def test_adhering_particles_bound_the_slope():
     """The force's fall with lateral creepage lies between their part of Kalker's slope and it."""
-    rng, grid, step = np.random.default_rng(5), fastsim_grid(10, 8), 1e-8
+    rng, step = np.random.default_rng(5), 1e-8
+    grid = fastsim_grid(10, 8), np.zeros(STRIP_WORK)
     for _ in range(2000):
         a, b = 6e-3 * np.exp(0.3 * rng.normal(size=2))
         xi, eta = rng.normal(size=2) * 10.0 ** rng.uniform(-5.0, -2.3, size=2)
         phi = rng.normal() * 10.0 ** rng.uniform(-3.0, 0.8)
         patch = (71733.0, a, b, 4.1, 3.6, 1.5, 8e10, 0.3)
-        here = creep_forces(grid, *patch, xi, eta, phi)
-        there = creep_forces(grid, *patch, xi, eta + step, phi)
+        here = creep_forces(*grid, *patch, xi, eta, phi)
+        there = creep_forces(*grid, *patch, xi, eta + step, phi)
         slope = (here[1] - there[1]) / step / (8e10 * a * b * 3.6)
         assert here[3] - 1e-5 < slope < 1.0
     # Without slip all particles adhere.
-    assert creep_forces(grid, *patch, 1e-9, 1e-9, 0.0)[3] == pytest.approx(1.0, abs=1e-3)
+    assert creep_forces(*grid, *patch, 1e-9, 1e-9, 0.0)[3] == pytest.approx(1.0, abs=1e-3)

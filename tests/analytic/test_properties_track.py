@@ -156,6 +156,6 @@ def test_every_track_mirrors_its_mirror_image(count, contact):
             np.testing.assert_allclose(
                 -other.rail_lateral[:, ::-1], one.rail_lateral, rtol=0, atol=1e-12
             )
-        assert np.isfinite(found[0][-1].answers).all()
+        assert np.isfinite(found[0][-1].wheel_outputs).all()
 
     holds()

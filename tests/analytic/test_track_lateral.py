@@ -6,8 +6,8 @@ import scipy.linalg
 from dense_lateral import dense_lateral
 from slab_track import TrackModel, TrackParameters
 from slab_track.equilibrium import rails_at_rest, unit_compliance
+from slab_track.kernels.lateral import wheel_compliance
 from slab_track.lateral import assemble_lateral, lateral_operator, static_rail
-from slab_track.lateral_step import wheel_compliance
 from slab_track.parameters import Fastener, Integration, Rail, Slab, Window
 
 RAIL = Rail()

@@ -7,7 +7,8 @@ from rail_vehicle import VehicleModel, VehicleParameters
 from slab_track import TrackModel, TrackParameters
 from slab_track.contact import ContactParameters
 from slab_track.equilibrium import rails_at_rest
-from slab_track.kernel import between, kernel_table, to_fasteners
+from slab_track.kernel import kernel_table
+from slab_track.kernels.distance import between, to_fasteners
 from slab_track.parameters import Rail, Slab, Window
 from slab_track.rail import vertical_modes
 from slab_track.slide import slide_operator, slide_rail

@@ -8,9 +8,10 @@ from slab_track import HD, TrackError, TrackModel, TrackParameters
 from slab_track.contact import ContactParameters
 from slab_track.irregularity import IrregularityParameters
 from slab_track.irregularity.parameters import RailJointParameters
+from slab_track.kernels.shift import shift_window
 from slab_track.parameters import Fastener, Rail, Slab, Window
 from slab_track.slide import ByMatrix, BySamples, slide_operator, slide_rail
-from slab_track.state import FASTENER_FORCE, TrackState
+from slab_track.state import TrackState
 from slab_track.statics import static_coordinates
 
 VERTICAL = ContactParameters(model="vertical")
@@ -117,7 +118,8 @@ def test_all_fields_of_a_state_move(method):
     row = np.zeros((1, 11))
     state = model.with_motion(model.initial_state(row), row)
     old = TrackState(model.layout, random.normal(size=model.layout.size))
-    old.vector[: model.layout.starts[0]] = state.vector[: model.layout.starts[0]]
+    head = model.layout.slices["head"]
+    old.vector[head] = state.vector[head]
     new = model.stepper.slide_once(old)
     linear, bending = model.linear, model.lateral.bending
 
@@ -164,8 +166,16 @@ def test_all_fields_of_a_state_move(method):
     assert new.slide_residual < 3.0 * jumps.max() + 1e-9
     assert new.window_start == pytest.approx(old.window_start + 2 * p.pitch)
     assert new.slide_count == old.slide_count + 1
-    unmoved = slice(model.layout.starts[0], model.layout.starts[FASTENER_FORCE])
+    unmoved = slice(head.stop, model.layout.slices["rail_fields"].start)
     np.testing.assert_array_equal(new.vector[unmoved], old.vector[unmoved])
+    kernel = TrackState(model.layout, old.vector.copy())
+    before, after = (model.layout.arrays(of.vector) for of in (old, kernel))
+    constants = model.stepper.constants(1e-4).shift
+    if model.stepper.constants(1e-4).settings.shifts_here:
+        shift_window(
+            constants, before.vertical, before.lateral, after.head, after.vertical, after.lateral
+        )
+        np.testing.assert_allclose(kernel.vector, new.vector, rtol=1e-10, atol=1e-12)
 
 
 def test_projection_is_the_integral():

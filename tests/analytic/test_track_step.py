@@ -7,7 +7,8 @@ from dense_track import dense_track, field_energy
 from slab_track import TrackModel, TrackParameters
 from slab_track.contact import ContactParameters
 from slab_track.equilibrium import rails_at_rest
-from slab_track.kernel import between, kernel_table, to_fasteners
+from slab_track.kernel import kernel_table
+from slab_track.kernels.distance import between, to_fasteners
 from slab_track.parameters import Fastener, Integration, Rail, Slab, SlabSupport, Window
 from slab_track.slide import sample_points, slide_operator, slide_rail
 

@@ -233,7 +233,7 @@ def test_pitch_moment_spins_a_wheelset_and_nothing_else():
     start, end, bow = model.static_forces, model.static_forces, np.zeros((4, 6))
     end[1, 4], bow[1, 4] = 292.0, 876.0
     standing = model.initial_state(speed=0.0)
-    state, outputs = model.step(standing, start, end, 0.1, force_bow=bow)
+    state, outputs = model.step(standing, start, end, 0.1, force_quadratic=bow)
     # Integrals over s: 1 - 1 for the rate, 1/3 + 1/2 - 1 for the angle.
     assert outputs["wheelset[2].pitch_rate"] == pytest.approx(0.0, abs=1e-15)
     assert outputs["wheelset[2].pitch_angle"] == pytest.approx(-(0.1**2) / 6.0)

@@ -81,7 +81,7 @@ def test_the_step_agrees_to_rounding(count):
             ages, values = np.r_[0.0, ages + dt][:3], np.r_[new[None], values][:3]
             over = history.extrapolate(dt, 2)
             setpoint = p.speed + faster * n * dt
-            state, out = model.step(state, over.start, over.end, dt, setpoint, over.bow)
+            state, out = model.step(state, over.start, over.end, dt, setpoint, over.quadratic)
             mine, found = equations.step(mine, forces_over_step(ages, values, dt, 2), dt, setpoint)
             close(mine.coordinates[FREE], state.coordinates[FREE])
             close(mine.rates[FREE], state.rates[FREE])
@@ -118,7 +118,6 @@ def test_forces_over_a_step(order, at_end):
         dt = elapsed if at_end else 7e-4
         over = history.interpolate(order) if at_end else history.extrapolate(dt, order)
         found = forces_over_step(ages, values[n::-1], dt, order, at_end=at_end)
-        for mine, theirs in zip(
-            (found[0], found.sum(axis=0), found[2]), (over.start, over.end, over.bow), strict=True
-        ):
+        curves = over.start, over.end, over.quadratic
+        for mine, theirs in zip((found[0], found.sum(axis=0), found[2]), curves, strict=True):
             np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-13)

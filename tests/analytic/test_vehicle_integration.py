@@ -142,12 +142,12 @@ def test_a_long_step_is_many_short_ones():
     rng = np.random.default_rng(9)
     start, end, bow = model.static_forces + rng.normal(size=(3, 4, 6)) * 5e3
     bow = bow - model.static_forces
-    long, _ = model.step(start_state(model), start, end, 5e-3, force_bow=bow)
+    long, _ = model.step(start_state(model), start, end, 5e-3, force_quadratic=bow)
     short = start_state(model)
     for part in range(5):
         a, b = part / 5, (part + 1) / 5
         at_a, at_b = (start + (end - start) * s + bow * s * (s - 1.0) for s in (a, b))
-        short, _ = model.step(short, at_a, at_b, 1e-3, force_bow=bow / 25)
+        short, _ = model.step(short, at_a, at_b, 1e-3, force_quadratic=bow / 25)
     assert long.vector == pytest.approx(short.vector, rel=1e-9, abs=1e-12)
 
 

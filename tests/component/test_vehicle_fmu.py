@@ -117,7 +117,7 @@ def test_fmu_makes_the_steps_of_the_core(way):
     for step in range(STEPS):
         history = history.append(forces(step + late), SIZE if step or late else 0.0)
         curve = history.interpolate(order) if late else history.extrapolate(SIZE, order)
-        state, outputs = model.step(state, curve.start, curve.end, SIZE, 83.0, curve.bow)
+        state, outputs = model.step(state, curve.start, curve.end, SIZE, 83.0, curve.quadratic)
     assert np.abs(outputs.vector[1:5]).max() > 1e-5
     found = steps_of_the_fmu()[way][: outputs.vector.size]
     assert found == pytest.approx(outputs.vector, rel=1e-12, abs=1e-15)

@@ -10,14 +10,18 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from slab_track.contact import WheelRailContact
+from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.wheelset import (
     ANGLE,
     ARM_X,
+    FORCED,
     LATERAL_FORCE,
+    LOCATED,
     LONGITUDINAL_FORCE,
     PENETRATION,
     SPIN_MOMENT,
     STIFFNESS,
+    ContactWork,
     wheel_rail_contact,
 )
 
@@ -51,10 +55,7 @@ def motion_row(body, state):
 
 
 @numba.njit
-def _slope(tables, body, state, motion, rails, offsets, wheelset, on_rail, located, forces):
-    row, omega = motion_row(body, state)
-    motion[0] = row
-    wheel_rail_contact(tables, motion, rails, offsets, wheelset, on_rail, located, forces)
+def _rates(body, state, row, omega, wheelset, located, forces):
     rate = np.empty(14)
     rate[:3] = state[3:6]
     rate[3:6] = wheelset[0, :3] / body.mass
@@ -77,27 +78,33 @@ def _slope(tables, body, state, motion, rails, offsets, wheelset, on_rail, locat
     return rate
 
 
-@numba.njit
-def _run(tables, body, state, steps, step, out):
+def _slope_of(tables, body):
+    """Return the function that gives the rate of change of a state."""
     motion, rails, offsets = np.zeros((1, 11)), np.zeros((1, 2, 6)), np.zeros((1, 2, 2))
     wheelset, on_rail = np.zeros((1, 6)), np.zeros((1, 2, 3))
-    located, forces = np.zeros((1, 2, 2, 13)), np.zeros((1, 2, 2, 9))
-    now = state.copy()
+    located, forces = np.zeros((1, 2, 2, LOCATED)), np.zeros((1, 2, 2, FORCED))
+    grid = fastsim_grid(tables.columns, tables.strips)
+    touch = wheel_rail_contact.bind(
+        tables, grid, ContactWork.of(1), motion, rails, offsets, wheelset, on_rail, located, forces
+    )
+
+    def slope(state):
+        row, omega = motion_row(body, state)
+        motion[0] = row
+        touch()
+        return _rates(body, state, row, omega, wheelset, located, forces)
+
+    return slope
+
+
+def _run(tables, body, state, steps, step, out):
+    slope, now = _slope_of(tables, body), state.copy()
     for n in range(steps):
-        a = _slope(tables, body, now, motion, rails, offsets, wheelset, on_rail, located, forces)
+        a = slope(now)
         worst = max(now[WORST_POWER], a[WORK])
-        b = _slope(
-            tables, body, now + 0.5 * step * a, motion, rails, offsets, wheelset, on_rail,
-            located, forces,
-        )  # fmt: skip
-        c = _slope(
-            tables, body, now + 0.5 * step * b, motion, rails, offsets, wheelset, on_rail,
-            located, forces,
-        )  # fmt: skip
-        d = _slope(
-            tables, body, now + step * c, motion, rails, offsets, wheelset, on_rail, located,
-            forces,
-        )  # fmt: skip
+        b = slope(now + 0.5 * step * a)
+        c = slope(now + 0.5 * step * b)
+        d = slope(now + step * c)
         now += step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
         now[6:9] /= np.sqrt(np.dot(now[6:9], now[6:9]))
         now[WORST_POWER] = worst

@@ -8,8 +8,9 @@ import dataclasses
 import itertools
 
 import numpy as np
+from force_memory import ForceMemory
 from rail_vehicle import VehicleModel
-from rail_vehicle.coupling import ForceHistory, ForceMemory
+from rail_vehicle.coupling import ForceHistory
 from slab_track import TrackModel
 
 
@@ -151,8 +152,8 @@ def run_staggered(
         track_state, answer = track.step(track_state, motion, step)
         given, elapsed = (forces, last) if jacobi else (answer.contact, step)
         curve = memory.take(given.ravel(), elapsed, step, 2, at_end=not jacobi)
-        start, end, bow = curve.reshape(3, -1, 6)
-        state, outputs = vehicle.step(state, start, end, step, None, bow)
+        start, end, quadratic = curve.reshape(3, -1, 6)
+        state, outputs = vehicle.step(state, start, end, step, None, quadratic)
         motion, forces, last, time = vehicle.motion(state), answer.contact, step, time + step
         _record(rows, time, motion, track_state, _acceleration(vehicle, outputs, count))
     return History(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -31,7 +31,7 @@ def run_track(parameters):
         motion = motion.copy()
         motion[:, 0] += motion[:, 5] * STEP
         state, outputs = model.step(state, motion, STEP, applied_force=np.zeros((count, 2, 3)))
-    return np.concatenate([outputs.contact.ravel(), outputs.answers.ravel(), state.vector])
+    return np.concatenate([outputs.contact.ravel(), outputs.wheel_outputs.ravel(), state.vector])
 
 
 def run_vehicle(parameters):

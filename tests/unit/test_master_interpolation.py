@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rail_cosim.interpolation import NODES, POINTS, QUADRATURE, hermite, polynomial, rate
 from rail_vehicle.coupling import ForceHistory
-from slab_track.motion import extrapolate
+from slab_track.kernels.motion import extrapolate
 
 H = 2e-4
 TIMES = H * np.array(POINTS)
@@ -44,7 +44,7 @@ def test_force_is_that_which_the_vehicle_takes(newest, order):
         history = history.append(values[point], H)
     taken = history.interpolate(order) if newest else history.extrapolate(H, order)
     for node, s in enumerate(NODES):
-        expected = taken.start + (taken.end - taken.start) * s + taken.bow * s * (s - 1.0)
+        expected = taken.start + (taken.end - taken.start) * s + taken.quadratic * s * (s - 1.0)
         found = np.tensordot(polynomial(newest, order)[node], values, axes=1)
         assert found == pytest.approx(expected, rel=1e-9)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rail_quantities import ParameterError, UnknownParameterError, flatten, with_values
 from slab_track import HD, ZX, TrackError, TrackModel, TrackParameters
-from slab_track.motion import extrapolate
+from slab_track.kernels.motion import extrapolate
 from slab_track.parameters import Window
 from slab_track.presets import PAPER
 from slab_track.window import place_window

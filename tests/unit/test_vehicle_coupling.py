@@ -4,8 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
+from force_memory import ForceMemory
 from rail_vehicle import ForceHistory
-from rail_vehicle.coupling import ForceMemory
 
 RNG = np.random.default_rng(11)
 COEFFICIENTS = RNG.normal(size=(3, 4, 6))
@@ -24,7 +24,7 @@ def history(degree, count):
 
 
 def along(curve, s):
-    return curve.start + (curve.end - curve.start) * s + curve.bow * s * (s - 1.0)
+    return curve.start + (curve.end - curve.start) * s + curve.quadratic * s * (s - 1.0)
 
 
 @pytest.mark.parametrize("order", [0, 1, 2])
@@ -52,7 +52,7 @@ def test_order_zero_holds_the_newest_value():
 def test_order_is_what_the_known_values_allow():
     assert along(history(2, 1).extrapolate(1e-4, 2), 0.7) == pytest.approx(polynomial(0.0, 2))
     line = history(2, 2).extrapolate(1e-4, 2)
-    assert not line.bow.any()
+    assert not line.quadratic.any()
     assert line.end == pytest.approx(2.0 * polynomial(1e-4, 2) - polynomial(0.0, 2))
 
 
@@ -88,7 +88,8 @@ def test_a_value_near_the_start_of_a_long_step_is_left_out(at_end):
     for error in (0.0, 1.0):
         memory = ForceMemory(ForceHistory.begin(polynomial(times[0], 2)))
         for n in (1, 2):
-            memory.append(polynomial(times[n], 2).ravel() + error * (n == 2 - at_end), 1e-4)
+            value = polynomial(times[n], 2) + error * (n == 2 - at_end)
+            memory.take(value, 1e-4, 1e-4, 2, at_end=False)
         newest, elapsed = (times[2] + step, step) if at_end else (times[3], 1e-4)
         curve = memory.take(polynomial(newest, 2).ravel(), elapsed, step, 2, at_end=at_end)
         curves.append(curve.copy())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rail_vehicle import PAPER, VehicleModel
-from rail_vehicle.kernel import blow_off_force, maxwell_force, stop_force
+from rail_vehicle.kernels import blow_off_force, maxwell_force, stop_force
 from scipy.integrate import solve_ivp
 from vehicle_reference import dashpot_rate, state_with
 

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
+from force_memory import ForceMemory
 from rail_vehicle import ForceHistory, VehicleParameters
-from rail_vehicle.coupling import ForceMemory
-from rail_vehicle.step_limits import _STABLE, LARGEST_SURPRISE, StepLimits
+from rail_vehicle.step_limits import _STABLE, LARGEST_EXTRAPOLATION_ERROR, StepLimits
 
 UNIT = (1.0,) * 6
 PAPER = VehicleParameters()
@@ -87,7 +87,7 @@ def test_coarse_steps_are_named_with_limit_and_remedy():
 
 
 @pytest.mark.parametrize("at_end", [False, True])
-def test_surprise_is_small_for_what_is_followed_and_large_for_what_turns(at_end):
+def test_extrapolation_error_is_small_for_what_is_followed_and_large_for_what_turns(at_end):
     """One impact among smooth forces stays far from the limit."""
     found = {}
     smooth = np.sin(0.1 * np.arange(600))
@@ -100,8 +100,8 @@ def test_surprise_is_small_for_what_is_followed_and_large_for_what_turns(at_end)
         memory, largest = ForceMemory(ForceHistory.begin(np.zeros((4, 6))), UNIT), 0.0
         for force in forces:
             memory.take(np.full(24, force), 1e-4, 1e-4, 2, at_end=at_end)
-            largest = max(largest, memory.surprise)
+            largest = max(largest, memory.extrapolation_error)
         found[name] = largest
     assert found["smooth"] < 0.01
-    assert found["impact"] < 0.5 * LARGEST_SURPRISE
+    assert found["impact"] < 0.5 * LARGEST_EXTRAPOLATION_ERROR
     assert found["turning"] > 0.9

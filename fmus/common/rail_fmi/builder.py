@@ -19,7 +19,7 @@ from rail_fmi import bundle
 from rail_fmi.errors import BuildError
 from rail_fmi.identity import MANIFEST
 
-REQUIREMENTS = ("numpy>=2.0", "scipy>=1.15", "numba>=0.60")
+REQUIREMENTS = ("numpy>=2.0", "scipy>=1.15")
 
 _ZIP_TIME = (1980, 1, 1, 0, 0, 0)
 _PREAMBLE = """\

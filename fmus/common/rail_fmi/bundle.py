@@ -5,7 +5,6 @@ that every FMU runs its own copy, whatever else the process has loaded.
 Standard library only.
 """
 
-import atexit
 import hashlib
 import importlib
 import importlib.util
@@ -165,29 +164,7 @@ def _cached(name: str, digest: str, resources: Path) -> Path:
         _publish(bundled, folder)
         return folder if _is_good(folder / name, digest) else resources
     except (OSError, RuntimeError):  # no home, read-only, full, or locked by another process
-        return _beside_the_cache(name, resources)
-
-
-def _beside_the_cache(name: str, resources: Path) -> Path:
-    """Return a folder to import from where there is no cache: one that can be written.
-
-    numba refuses functions with a cache where it cannot write one.
-    """
-    try:
-        with tempfile.TemporaryFile(dir=resources):
-            return resources
-    except OSError:
-        pass
-    try:
-        folder = Path(tempfile.mkdtemp(prefix="rail-cosim-"))
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        _copy(resources / name, folder / name)
-    except OSError as error:
-        raise BundleError(
-            f"no folder can be written for compiled code: neither the cache, nor {resources}, nor "
-            f"a temporary one ({error}). Remedy: set {CACHE_VARIABLE} to a folder that can"
-        ) from error
-    return folder
+        return resources
 
 
 def _is_good(folder: Path, digest: str) -> bool:

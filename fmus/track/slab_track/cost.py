@@ -15,21 +15,15 @@ from typing import Any
 
 import numpy as np
 from rail_quantities import ParameterError
-from rail_quantities.uncounted import on_stack, shaped
 
-from slab_track.compiled import entry
-from slab_track.contact.wheelset import NORMAL_FORCE, locate_wheel, patch_forces
 from slab_track.errors import TrackError
 from slab_track.frequency.__main__ import apply_settings
-from slab_track.interaction import interact
-from slab_track.model import TrackModel, TrackState
+from slab_track.kernels.shift import shift_window
+from slab_track.model import TrackModel
 from slab_track.motion import MOTION
-from slab_track.oscillators import add_force, product, step_damped
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
-from slab_track.state import ROW
-from slab_track.stepping import advance
-from slab_track.views import class_fields, wheels_of
+from slab_track.stepper import March
 
 _PROGRAM = "slab_track.cost"
 _CALLS, _ROUNDS, _WARM_UP = 100, 15, 300
@@ -44,7 +38,7 @@ def step_cost(
     Parameters
     ----------
     parameters
-        Of the track; with ``contact.model = profiles``, and one internal step per step.
+        Of the track; with ``contact.model = profiles``.
     speed
         Of the wheelsets, m/s.
     step
@@ -53,75 +47,75 @@ def step_cost(
     Returns
     -------
     dict
-        Microseconds per step: ``total``; of it ``rails`` (vertical, lateral, torsion, fasteners,
-        coupling with the wheels), ``slabs``, ``contact_geometry`` (location of patches, Hertz),
-        ``fastsim`` (with creepages), ``forces`` (wheels and rails solved together, without these
-        two), ``slide`` (its cost over the steps between two), ``python`` (the rest).
-        ``slide_each``: one slide. ``slide_share``: part of the slide in the total (1).
+        Microseconds per step: ``total``; of it ``rails`` (rails, slabs and fasteners under given
+        forces), ``contact`` (what the contact adds), ``slide`` (its cost over the steps between
+        two). ``slide_each``: one shift of the window. ``slide_share``: its part of the total (1).
     """
     model = TrackModel(parameters)
-    state, motion = _run(model, speed, step)
-    operator, steps, _ = model.stepper.operator(step)
-    new, none = state.vector.copy(), np.zeros((parameters.wheelset_count, 2, 3))
-
-    advance(operator, state.vector, new, motion, state.time, False, none, 0)
-    parts = {
-        "contact_geometry": _compiled(_locate, operator, new),
-        "fastsim": _compiled(_creep, operator, new),
-        "slabs": _compiled(_slabs, operator, state.vector, new),
+    whole = _cost(model, speed, step)
+    driven = _cost(TrackModel(parameters.replace(interface="applied_force")), speed, step)
+    each = _shift_cost(model, speed, step) if parameters.moves else 0.0
+    slide = each / (parameters.slide_length / (speed * step))
+    return {
+        "rails": driven,
+        "contact": whole - driven,
+        "slide": slide,
+        "total": whole + slide,
+        "slide_each": each,
+        "slide_share": slide / (whole + slide),
     }
-    touching = _compiled(_touch, operator, new, none)
-    moving = _repeated(
-        lambda: advance(operator, state.vector, new, motion, state.time, False, none, 0)
+
+
+def _cost(model: TrackModel, speed: float, step: float) -> float:
+    """Least CPU time of a step among several rounds, us."""
+    march, motion = _run(model, speed, step)
+
+    def steps() -> None:
+        march.step(motion, step)
+        motion[:, 0] += speed * step
+
+    return _least(steps, _CALLS)
+
+
+def _shift_cost(model: TrackModel, speed: float, step: float) -> float:
+    """Least CPU time of a shift after steps, which leave nothing of it in the caches, us."""
+    march, motion = _run(model, speed, step)
+    stepper, times = model.stepper, []
+    constants = stepper.constants(step)
+    old = model.layout.arrays(march.vector.copy())
+    new = model.layout.arrays(march.vector.copy())
+    shift = shift_window.bind(
+        constants.shift, old.vertical, old.lateral, new.head, new.vertical, new.lateral
     )
-    parts["rails"] = moving - touching - parts["slabs"]
-    parts["forces"] = touching - parts["contact_geometry"] - parts["fastsim"]
-    whole = steps * _repeated(lambda: model.step(state, motion, step))
-
-    def steps_between() -> None:
+    for _ in range(_SLIDES):
         for _ in range(_BETWEEN):
-            model.step(state, motion, step)
-
-    each = 0.0
-    if parameters.moves:
-        each = _once(lambda: model.stepper.slide_once(state), steps_between)
-    between = parameters.slide_length / (speed * step)
-    parts = {name: steps * value for name, value in parts.items()}
-    parts["python"] = whole - sum(parts.values())
-    parts["slide"] = each / between if each else 0.0
-    parts["total"] = whole + parts["slide"]
-    share = parts["slide"] / parts["total"]
-    return parts | {"slide_each": each, "slide_share": share}
+            march.step(motion, step)
+            motion[:, 0] += speed * step
+        start = time.process_time()
+        shift()
+        times.append(time.process_time() - start)
+    return 1e6 * min(times)
 
 
-def _run(model: TrackModel, speed: float, step: float) -> tuple[TrackState, np.ndarray]:
+def _run(model: TrackModel, speed: float, step: float) -> tuple[March, np.ndarray]:
+    """Return a track that has run a while, and the wheelsets' motion."""
     motion = np.zeros((model.parameters.wheelset_count, len(MOTION)))
     motion[:, 0], motion[:, 5] = model.default_positions(), speed
     motion[:, 10] = -speed / model.parameters.contact.wheel_radius
     state = model.initial_state(motion)
     motion[:, 2] = state.static_heights
-    state = model.with_motion(state, motion)
+    march = model.stepper.march(model.with_motion(state, motion))
+    applied = np.zeros((motion.shape[0], 2, 3))
+    applied[:, :, 1] = model.parameters.static_wheel_load
+    march.step(motion, step, applied_force=applied)  # they stay
     for _ in range(_WARM_UP):
-        state, _ = model.step(state, motion, step)
+        march.step(motion, step)
         motion[:, 0] += speed * step
-    return state, motion
+    return march, motion
 
 
-def _once(work: Callable[[], Any], others: Callable[[], None]) -> float:
-    """Least CPU time of a call after ``others``, which leave nothing of it in the caches, us."""
-    work()
-    times = []
-    for _ in range(_SLIDES):
-        others()
-        start = time.process_time()
-        work()
-        times.append(time.process_time() - start)
-    return 1e6 * min(times)
-
-
-def _repeated(work: Callable[[], Any], calls: int = _CALLS) -> float:
+def _least(work: Callable[[], Any], calls: int) -> float:
     """Least CPU time of a call among several rounds, us."""
-    work()
     least = math.inf
     for _ in range(_ROUNDS):
         start = time.process_time()
@@ -129,72 +123,6 @@ def _repeated(work: Callable[[], Any], calls: int = _CALLS) -> float:
             work()
         least = min(least, time.process_time() - start)
     return 1e6 * least / calls
-
-
-def _compiled(loop: Callable[..., None], *arguments: Any) -> float:
-    """Least CPU time of a pass of a compiled loop, us."""
-    return _repeated(lambda: loop(_CALLS, *arguments), 1) / _CALLS
-
-
-@entry
-def _locate(passes, op, new):
-    """Locate the patches of all wheels."""
-    count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
-    offset = on_stack(2)
-    offset[0] = offset[1] = 0.0
-    for _ in range(passes):
-        for wheel in range(count):
-            for side in range(2):
-                locate_wheel(
-                    op.contact, 2.0 * side - 1.0, row[wheel], wheels.rail[wheel, side], offset,
-                    wheels.located[wheel, side],
-                )  # fmt: skip
-
-
-@entry
-def _touch(passes, op, new, applied):
-    """Find the forces between wheels and rails."""
-    count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
-    for _ in range(passes):
-        interact(op.contact, op.grid, op.settings, row, op.scratch.offsets, applied, op.at, wheels)
-
-
-@entry
-def _creep(passes, op, new):
-    """Creepages and FASTSIM of all patches."""
-    count = op.scratch.x.size
-    wheels, row = wheels_of(new, op.starts, count), shaped(new, op.starts[ROW], (count, 11))
-    for _ in range(passes):
-        for wheel in range(count):
-            for side in range(2):
-                for patch in range(2):
-                    out = wheels.forces[wheel, side, patch]
-                    patch_forces(
-                        op.contact, op.grid, row[wheel], wheels.rail[wheel, side],
-                        wheels.located[wheel, side, patch], out[NORMAL_FORCE], out,
-                    )  # fmt: skip
-
-
-@entry
-def _slabs(passes, op, old, new):
-    """Free step of the slabs of both classes, their seats, and the answer to fastener forces."""
-    starts, step = op.starts, op.settings.step
-    fasteners = op.rail.damping.size
-    for _ in range(passes):
-        for symmetry in range(2):
-            own = op.symmetric if symmetry == 0 else op.antisymmetric
-            fields = class_fields(old, new, starts, symmetry, fasteners)
-            step_damped(fields.old_slab, own.slab_softening, own.slab_drag, step, fields.new_slab)
-            modes, count = own.seats.shape
-            slabs = fasteners // count
-            seats, modal = op.scratch.room.fasteners, op.scratch.room.slabs
-            moved, force = shaped(seats, 0, (slabs, count)), shaped(modal, 0, (slabs, modes))
-            product(shaped(fields.new_slab, 0, (slabs, modes)), own.seats, moved)
-            product(moved, own.from_seats, force)
-            all_modal = shaped(modal, 0, (slabs * modes,))
-            add_force(fields.new_slab, 0, own.slab_weight, all_modal, step)
 
 
 def main(arguments: list[str] | None = None) -> int:

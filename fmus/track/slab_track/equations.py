@@ -26,8 +26,8 @@ from slab_track.contact import Steel, build_tables
 from slab_track.contact.equations import Contact, level_contact, no_contact, profile_contact
 from slab_track.errors import TrackError
 from slab_track.irregularity import Irregularity
+from slab_track.kernels.motion import LEAST_SPAN
 from slab_track.matrices import LATERAL, PSI, PSI_Y, ROLL, VERTICAL, TrackMatrices
-from slab_track.motion import LEAST_SPAN
 from slab_track.parameters import TrackParameters
 from slab_track.window import place_window
 

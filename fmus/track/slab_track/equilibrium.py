@@ -8,12 +8,14 @@ from scipy.optimize import root_scalar
 
 from slab_track import statics
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack
+from slab_track.contact.fastsim import fastsim_grid
+from slab_track.contact.interaction import Wheels
+from slab_track.contact.solve import hertz_force
 from slab_track.contact.tables import LATERAL_LIMIT, ROLL_LIMIT, ContactTables
-from slab_track.contact.wheelset import wheel_rail_contact
+from slab_track.contact.wheelset import ContactWork, wheel_rail_contact
 from slab_track.errors import TrackError
 from slab_track.lateral import LateralTrack, static_rail
-from slab_track.state import WheelState
-from slab_track.wheels import hertz_force
+from slab_track.state import no_wheel_forces
 
 _ROUNDS = 100
 _SHORTEST_PART = 1e-3
@@ -101,15 +103,17 @@ def rails_at_rest(
 
 def contact_at(
     tables: ContactTables, motion: np.ndarray, rails: np.ndarray, offsets: np.ndarray
-) -> WheelState:
+) -> Wheels:
     """Contact of wheelsets at rest on given rails.
 
     ``motion`` (w, 11) with heights from first touch, ``rails`` (w, 2, 6), ``offsets``
     (w, 2, 2) side and direction (vertical, lateral).
     """
-    wheels = WheelState.empty(motion.shape[0])
+    wheels = no_wheel_forces(motion.shape[0])
     inside = wheel_rail_contact(
         tables,
+        fastsim_grid(tables.columns, tables.strips),
+        ContactWork.of(motion.shape[0]),
         np.ascontiguousarray(motion),
         np.ascontiguousarray(rails),
         np.ascontiguousarray(offsets[..., ::-1]),
@@ -131,9 +135,9 @@ def level_contact(
     offsets: np.ndarray,
     half_distance: float,
     hertz_constant: float,
-) -> WheelState:
+) -> Wheels:
     """As :func:`contact_at` for eq. (1) on a level tread."""
-    wheels = WheelState.empty(motion.shape[0])
+    wheels = no_wheel_forces(motion.shape[0])
     lever = half_distance * np.array([-1.0, 1.0])
     height = motion[:, 2, None] + lever * motion[:, 3, None]
     penetration = height - rails[:, :, 1] - offsets[:, :, 0]
@@ -261,22 +265,23 @@ class _RestingWheelset:
     """A wheelset that carries a load on given rails, at the height that this takes."""
 
     def __init__(self, tables, motion, offsets, load: float) -> None:
-        self.tables, self.row, self.offsets, self.load = tables, motion.copy(), offsets, load
-        self.wheels = WheelState.empty(1)
+        self.row, self.load = motion.copy(), load
+        self.wheels = wheels = no_wheel_forces(1)
+        self._rails = np.zeros((1, 2, 6))
+        self._touch = wheel_rail_contact.bind(
+            tables, fastsim_grid(tables.columns, tables.strips), ContactWork.of(1),
+            self.row[None], self._rails, offsets[None], wheels.wheelset, wheels.rail_force,
+            wheels.located, wheels.forces,
+        )  # fmt: skip
 
     def forces(self, rails: np.ndarray, height: float) -> tuple[np.ndarray, float]:
         """Return the forces on the rails' axes (2, 3) and the height, searched from ``height``."""
-        moved = np.zeros((1, 2, 6))
-        moved[0, :, :3] = rails
+        self._rails[0, :, :3] = rails
         wheels = self.wheels
 
         def excess(z: float) -> float:
             self.row[2] = z
-            inside = wheel_rail_contact(
-                self.tables, self.row[None], moved, self.offsets[None], wheels.wheelset,
-                wheels.rail_force, wheels.located, wheels.forces,
-            )  # fmt: skip
-            if not inside:
+            if not self._touch():
                 raise TrackError(BESIDE_THE_RAILS)
             return -wheels.wheelset[0, 2] - self.load
 

@@ -4,35 +4,13 @@ The sums are in halves (:mod:`slab_track.halves`): first those that are even abo
 middle, then the odd ones.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
 from slab_track.halves import half_size, split_basis
+from slab_track.kernels.waves import Aliasing
 
 
-class Folding(NamedTuple):
-    """How N waves and the sums of those that look alike at P fasteners go together.
-
-    Attributes
-    ----------
-    place, sign
-        The waves of each sum, and their signs, 0 for none: (terms, 2h).
-    home, home_sign
-        The sum that each wave belongs to, and its sign, 0 if it vanishes at the fasteners: (N,).
-    to_fasteners, to_waves
-        Halves at the fasteners from the sums, and sums from the halves, by columns, (2, h, h).
-    """
-
-    place: np.ndarray
-    sign: np.ndarray
-    home: np.ndarray
-    home_sign: np.ndarray
-    to_fasteners: np.ndarray
-    to_waves: np.ndarray
-
-
-def make_folding(index: np.ndarray, sign: np.ndarray, shapes: np.ndarray) -> Folding:
+def make_aliasing(index: np.ndarray, sign: np.ndarray, shapes: np.ndarray) -> Aliasing:
     """Build the tables.
 
     ``index`` and ``sign`` (N,) as in :func:`slab_track.waves.fold_table`; ``shapes`` (P, P) are
@@ -50,7 +28,7 @@ def make_folding(index: np.ndarray, sign: np.ndarray, shapes: np.ndarray) -> Fol
     both = np.zeros((2 * half, 2 * half))
     both[order] = shapes @ split_basis(count).T
     matrices = np.stack([both[:half, :half], both[half:, half:]])
-    return Folding(
+    return Aliasing(
         place, signs, home, sign.copy(), matrices, np.ascontiguousarray(matrices.swapaxes(1, 2))
     )
 

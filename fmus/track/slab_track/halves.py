@@ -11,8 +11,6 @@ by itself. Halves are filled up with zeros to a multiple of 16.
 
 import numpy as np
 
-from slab_track.compiled import stream
-
 LANES = 16
 _ROOT = float(np.sqrt(0.5))
 
@@ -39,44 +37,3 @@ def split_matrix(matrix: np.ndarray) -> np.ndarray:
     both = basis @ matrix @ basis.T
     half = both.shape[0] // 2
     return np.stack([both[:half, :half], both[half:, half:]])
-
-
-@stream
-def split(values, even, odd):
-    """Fill the halves ``even`` and ``odd``, (h,), of ``values`` (P,)."""
-    count = values.size
-    for i in range(count // 2, even.size):
-        even[i] = odd[i] = 0.0
-    for i in range(count // 2):
-        even[i] = _ROOT * (values[i] + values[count - 1 - i])
-    for i in range(count // 2):
-        odd[i] = _ROOT * (values[i] - values[count - 1 - i])
-    if count % 2 == 1:
-        even[count // 2] = values[count // 2]
-
-
-@stream
-def join(halves, out):
-    """Fill ``out`` (P,) with the values whose ``halves`` (2, h) are given."""
-    count = out.size
-    for i in range(count // 2):
-        out[i] = _ROOT * (halves[0, i] + halves[1, i])
-    for i in range(count // 2):
-        out[count - 1 - i] = _ROOT * (halves[0, i] - halves[1, i])
-    if count % 2 == 1:
-        out[count // 2] = halves[0, count // 2]
-
-
-@stream
-def apply(columns, factors, sums):
-    """Multiply a half: ``sums`` (h,) from ``factors`` (h,).
-
-    ``columns`` (h, h) holds the transposed matrix: four columns at a time are added up.
-    """
-    for i in range(sums.size):
-        sums[i] = 0.0
-    for j in range(0, factors.size, 4):
-        a, b, c, d = factors[j], factors[j + 1], factors[j + 2], factors[j + 3]
-        m0, m1, m2, m3 = columns[j], columns[j + 1], columns[j + 2], columns[j + 3]
-        for i in range(sums.size):
-            sums[i] += a * m0[i] + b * m1[i] + c * m2[i] + d * m3[i]

@@ -5,13 +5,14 @@
 >>> state, outputs = model.step(state, motion, 1e-4) # one communication step
 """
 
-import contextlib
+import threading
 from collections.abc import Callable
 
 import numpy as np
 
 from slab_track.assembly import ANTISYMMETRIC, SYMMETRIC, LinearTrack, assemble
 from slab_track.contact import Steel, build_tables
+from slab_track.contact.interaction import APPLIED, PROFILES, VERTICAL, Wheels, wheel_outputs
 from slab_track.equilibrium import (
     RailsAtRest,
     check_sinking,
@@ -23,13 +24,18 @@ from slab_track.equilibrium import (
     vertical_at_rest,
 )
 from slab_track.errors import TrackError
-from slab_track.interaction import APPLIED, PROFILES, VERTICAL, Wheels, answer
 from slab_track.irregularity import Irregularity
 from slab_track.lateral import LateralTrack, assemble_lateral
 from slab_track.outputs import TrackOutputs
 from slab_track.parameters import WHEELSET_PLACES, TrackParameters
 from slab_track.slide import SlideOperator
-from slab_track.state import FieldState, StateLayout, TrackState, WheelState, begin_motion
+from slab_track.state import (
+    FieldState,
+    StateLayout,
+    TrackState,
+    begin_motion,
+    no_wheel_forces,
+)
 from slab_track.statics import StaticSolution
 from slab_track.stepper import Stepper
 from slab_track.window import END_MARGIN, place_window
@@ -65,6 +71,7 @@ class TrackModel:
             slabs=self.linear.slab_count,
             slab_modes=[slab.omega_squared.size for slab in self.linear.slabs],
         )
+        self._of_thread = threading.local()
         self.stepper = Stepper(
             p,
             linear=self.linear,
@@ -79,19 +86,6 @@ class TrackModel:
     def slide(self) -> SlideOperator:
         """Operator of a slide."""
         return self.stepper.slide
-
-    def prepare(self, state: TrackState) -> None:
-        """Compute and compile now what the first step from ``state`` and the first slide would."""
-        if self.parameters.moves:
-            self.stepper.slide_once(state)
-            self.stepper.path(state.vector, 1, self.parameters.integration.maximum_step)
-        with contextlib.suppress(TrackError):  # it comes again where it can be dealt with
-            self.step(
-                state,
-                state.motion,
-                self.parameters.integration.maximum_step,
-                applied_force=np.zeros((self.parameters.wheelset_count, 2, 3)),
-            )
 
     # -- start ---------------------------------------------------------------
 
@@ -137,7 +131,7 @@ class TrackModel:
             time=time,
             symmetric=self._field(SYMMETRIC, rails.vertical[0]),
             antisymmetric=self._field(ANTISYMMETRIC, rails.vertical[1]),
-            wheels=WheelState.empty(count)._replace(rail=rails.motion),
+            wheels=no_wheel_forces(count)._replace(rail=rails.motion),
             fastener_force=np.stack([solution.fastener for solution in rails.vertical]),
             window_start=start,
             datum=float(np.mean(heights)),
@@ -178,7 +172,7 @@ class TrackModel:
             raise TrackError(f"a state of this track has {self.layout.size} numbers")
         return TrackState(self.layout, vector)
 
-    def _touch(self, rows: np.ndarray, rails: np.ndarray, offsets: np.ndarray) -> WheelState:
+    def _touch(self, rows: np.ndarray, rails: np.ndarray, offsets: np.ndarray) -> Wheels:
         """Contact on given rails; heights count from first touch."""
         if self.parameters.contact.model == "vertical":
             constant = self.parameters.contact.hertz_constant_used
@@ -203,7 +197,7 @@ class TrackModel:
         motion
             Wheelset motion, shape (wheelsets, 11), m, rad, m/s and rad/s.
         """
-        wheels = WheelState.empty(motion.shape[0])._replace(rail=state.wheels.rail.copy())
+        wheels = no_wheel_forces(motion.shape[0])._replace(rail=state.wheels.rail.copy())
         if self.interface != APPLIED:
             rows = motion.copy()
             rows[:, 2] += state.datum
@@ -212,12 +206,8 @@ class TrackModel:
             )
         changed = state.replace(wheels=wheels)
         begin_motion(changed, state.time, motion)
-        self._answer(changed)
+        wheel_outputs(changed.wheels, self.parameters.rail.axis_depth, changed.wheel_outputs)
         return changed
-
-    def _answer(self, state: TrackState) -> None:
-        """Fill in what happens at the wheels of a new state."""
-        answer(Wheels(*state.wheels), self.parameters.rail.axis_depth, state.answers)
 
     # -- running ---------------------------------------------------------------
 
@@ -251,12 +241,19 @@ class TrackModel:
         TrackError
             If a wheel leaves the window or the rail, or the motion is not finite or jumps.
         """
-        new = np.empty(self.layout.size)
-        self.stepper.step_into(
-            state.vector, new, motion, dt, at_end=at_end, applied_force=applied_force
-        )
-        state = TrackState(self.layout, new)
+        march = getattr(self._of_thread, "march", None)
+        if march is None:
+            march = self._of_thread.march = self.stepper.march(state)
+        march.restart(state.vector)
+        march.step(motion, dt, at_end=at_end, applied_force=self._needed(applied_force))
+        state = TrackState(self.layout, march.vector.copy())
         return state, TrackOutputs(state)
+
+    def _needed(self, applied_force: np.ndarray | None) -> np.ndarray | None:
+        """Refuse a step without the forces that ``interface = "applied_force"`` takes."""
+        if self.interface == APPLIED and applied_force is None:
+            raise TrackError("interface = applied_force needs the forces at the rail heads")
+        return applied_force
 
     def outputs(self, state: TrackState) -> TrackOutputs:
         """Return the contact forces on the wheelsets and what happens at the wheels."""

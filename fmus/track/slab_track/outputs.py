@@ -1,4 +1,4 @@
-"""What a track answers after a step."""
+"""What a track wheel_outputs after a step."""
 
 from typing import NamedTuple
 
@@ -8,16 +8,16 @@ from slab_track.state import TrackState
 
 
 class TrackOutputs(NamedTuple):
-    """What the track answers; arrays of wheels have shape (wheelsets, 2), left first.
+    """What the track wheel_outputs; arrays of wheels have shape (wheelsets, 2), left first.
 
     Attributes
     ----------
     state
-        The state that answers; nothing is computed before it is asked for.
+        The state that wheel_outputs; nothing is computed before it is asked for.
     contact
         Contact forces and moments on the wheelsets, shape (wheelsets, 6), N and N.m.
-    answers
-        All of the following and more, (ANSWERS, wheelsets, 2), as in
+    wheel_outputs
+        All of the following and more, (WHEEL_OUTPUTS, wheelsets, 2), as in
         :class:`slab_track.state.TrackState`.
     normal_force, longitudinal_creep_force, lateral_creep_force
         Sums over the patches of a wheel, N.
@@ -35,46 +35,46 @@ class TrackOutputs(NamedTuple):
         return self.state.contact
 
     @property
-    def answers(self) -> np.ndarray:
-        """All of the following and more, (ANSWERS, wheelsets, 2)."""
-        return self.state.answers
+    def wheel_outputs(self) -> np.ndarray:
+        """All of the following and more, (WHEEL_OUTPUTS, wheelsets, 2)."""
+        return self.state.wheel_outputs
 
     @property
     def normal_force(self) -> np.ndarray:
         """Normal force of each wheel, N, (wheelsets, 2); positive in compression."""
-        return self.answers[0]
+        return self.wheel_outputs[0]
 
     @property
     def longitudinal_creep_force(self) -> np.ndarray:
         """Longitudinal creep force of each wheel, N, (wheelsets, 2)."""
-        return self.answers[1]
+        return self.wheel_outputs[1]
 
     @property
     def lateral_creep_force(self) -> np.ndarray:
         """Lateral creep force of each wheel, N, (wheelsets, 2)."""
-        return self.answers[2]
+        return self.wheel_outputs[2]
 
     @property
     def penetration(self) -> np.ndarray:
         """Penetration of the patch that carries most, m, (wheelsets, 2)."""
-        return self.answers[3]
+        return self.wheel_outputs[3]
 
     @property
     def contact_angle(self) -> np.ndarray:
         """Contact angle of the patch that carries most, rad, (wheelsets, 2)."""
-        return self.answers[4]
+        return self.wheel_outputs[4]
 
     @property
     def rail_deflection(self) -> np.ndarray:
         """Deflection of the rail's axis under each wheel, m, (wheelsets, 2)."""
-        return self.answers[5]
+        return self.wheel_outputs[5]
 
     @property
     def rail_lateral(self) -> np.ndarray:
         """Lateral displacement of the rail's head under each wheel, m, (wheelsets, 2)."""
-        return self.answers[6]
+        return self.wheel_outputs[6]
 
     @property
     def rail_roll(self) -> np.ndarray:
         """Rotation of the rail under each wheel, rad, (wheelsets, 2)."""
-        return self.answers[7]
+        return self.wheel_outputs[7]

@@ -18,12 +18,12 @@ from rail_quantities import flatten, terminals, with_values
 from slab_track import variables as names
 from slab_track.errors import TrackError
 from slab_track.guide import GUIDE
+from slab_track.kernels.state import SHIFT_COUNT, SHIFT_RESIDUAL, TIME, WINDOW_START
 from slab_track.model import TrackModel, TrackState
 from slab_track.motion import MOTION
 from slab_track.parameters import TrackParameters
 from slab_track.presets import LINES
 from slab_track.profile import TrackProfile
-from slab_track.state import ANSWER, SLIDE_COUNT, SLIDE_RESIDUAL, TIME, WHEELSET, WINDOW_START
 
 LEVEL_CONTACT = (
     "contact.model = vertical: rails, slabs and contact move vertically, creep and lateral forces "
@@ -78,17 +78,17 @@ class TrackSlave(RailSlave):
         self._take(state)
 
     def _take(self, state: TrackState) -> None:
-        """Go on from a state; steps go from one of two arrays to the other in turn."""
-        self._vector, self._next = state.vector, np.empty(state.vector.size)
+        """Go on from a state."""
+        self._march = self._model.stepper.march(state)
         self._observed, self._slides = math.nan, -1
         self._publish()
 
     def start(self) -> None:
-        """Say what the user should know, and compile before time matters."""
+        """Say what the user should know."""
         parameters = self._model.parameters
         if parameters.interface == "contact" and parameters.contact.model == "vertical":
             self.info(LEVEL_CONTACT)
-        state, irregularity = self._model.state_of(self._vector), self._model.irregularity
+        state, irregularity = self._model.state_of(self._march.vector), self._model.irregularity
         if irregularity.fade_in:
             self.info(irregularity.fade_in)
         remarks = irregularity.remarks
@@ -96,7 +96,6 @@ class TrackSlave(RailSlave):
             remarks += irregularity.start_remarks(state.motion[:, 0])
         for remark in remarks:
             self.warn(remark)
-        self._model.prepare(state)
 
     def _find_places(self, count: int) -> None:
         inputs = self.reals[self.slice_of(*names.motion_names(count))]
@@ -109,7 +108,7 @@ class TrackSlave(RailSlave):
         )
         of_wheels = [name for kind in names.WHEEL for name in names.wheel_names(kind, count)]
         places = self._model.layout.places
-        source = np.concatenate([places(part).ravel() for part in (WHEELSET, ANSWER)])
+        source = np.concatenate([places(part).ravel() for part in ("wheelset", "outputs")])
         target = self.indices([*names.contact_names(count), *of_wheels])
         self._runs = [
             (self.reals[first], of) for first, of in zip(*_runs(target, source), strict=True)
@@ -137,39 +136,31 @@ class TrackSlave(RailSlave):
         if self._is_driven:
             applied = self.reals[self._applied].T.reshape(-1, 2, 3)
         try:
-            self._model.stepper.step_into(
-                self._vector,
-                self._next,
-                self._inputs,
-                step_size,
-                at_end=self._at_end,
-                applied_force=applied,
-            )
+            self._march.step(self._inputs, step_size, at_end=self._at_end, applied_force=applied)
         except TrackError as error:
             raise StepError(str(error)) from error
-        self._vector, self._next = self._next, self._vector
         self._publish()
 
     def _publish(self) -> None:
-        vector = self._vector
+        vector = self._march.vector
         for place, source in self._runs:
             place[:] = vector[source]
-        if vector[SLIDE_COUNT] != self._slides:
-            self._slides = self.values["window.slide_count"] = int(vector[SLIDE_COUNT])
-            self.reals[self._window] = vector[[WINDOW_START, SLIDE_RESIDUAL]]
+        if vector[SHIFT_COUNT] != self._slides:
+            self._slides = self.values["window.slide_count"] = int(vector[SHIFT_COUNT])
+            self.reals[self._window] = vector[[WINDOW_START, SHIFT_RESIDUAL]]
 
     def observe(self) -> None:
         """Write the profiles of rails and slabs."""
-        if not self._shows_profiles or self._observed == self._vector[TIME]:
+        if not self._shows_profiles or self._observed == self._march.vector[TIME]:
             return
         if self._profile is None:
             self._profile = TrackProfile(self._model.parameters, self._model.linear)
         first, spacing = self.values[names.FIRST_OFFSET], self.values[names.SPACING]
         offsets = first - spacing * np.arange(names.PROFILE_POINTS)
-        state = self._model.state_of(self._vector)
+        state = self._model.state_of(self._march.vector)
         shapes = [of(state, offsets) for of in (self._profile.rails, self._profile.slabs)]
         self.reals[self._profiles] = np.ravel(shapes)
-        self._observed = self._vector[TIME]
+        self._observed = self._march.vector[TIME]
 
     def initial_inputs(self) -> dict[str, Sequence[str]]:
         """Return the motions of all wheelsets, which act on each other through the rails."""
@@ -183,7 +174,7 @@ class TrackSlave(RailSlave):
 
     def save(self) -> dict[str, Any]:
         """Return the state of the track."""
-        return {"vector": self._vector}
+        return {"vector": self._march.vector}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Take back what :meth:`save` returned."""

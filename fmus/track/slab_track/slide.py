@@ -30,7 +30,6 @@ import scipy.fft
 import scipy.linalg
 
 from slab_track.branches import make_branches
-from slab_track.compiled import entry
 from slab_track.rail import RailModes
 
 _ONE_THREAD = 250_000
@@ -99,8 +98,9 @@ class BySamples(NamedTuple):
         """
         transform = scipy.fft.dct if self.cosines else scipy.fft.dst
         field = transform(rows, type=3, axis=1, overwrite_x=True)  # twice its value
-        move_rows(field, self.shift, self.kept)
-        return np.asarray(transform(field, type=2, axis=1, overwrite_x=True))  # twice the sum
+        moved = np.zeros_like(field)
+        moved[:, : self.kept.size] = self.kept * field[:, self.shift :]
+        return np.asarray(transform(moved, type=2, axis=1, overwrite_x=True))  # twice the sum
 
     def __call__(self, waves: np.ndarray) -> np.ndarray:
         """Return wave amplitudes (rows, N) after the slide."""
@@ -115,17 +115,6 @@ def _moved(slide: Map, waves: np.ndarray) -> np.ndarray:
     rows, here = np.zeros((waves.shape[0], length)), slice(first, first + waves.shape[1])
     rows[:, here] = waves
     return slide.move(rows)[:, here]
-
-
-@entry
-def move_rows(rows, way, kept):
-    """Move rows (k, n) back by ``way``, in place, with factors (n - way,); then come zeros."""
-    left = rows.shape[1] - way
-    for row in range(rows.shape[0]):
-        for i in range(left):
-            rows[row, i] = kept[i] * rows[row, i + way]
-        for i in range(left, rows.shape[1]):
-            rows[row, i] = 0.0
 
 
 class SlideOperator(NamedTuple):

@@ -10,53 +10,50 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from slab_track.contact.interaction import Wheels
 from slab_track.contact.wheelset import FORCED, LOCATED, NORMAL_FORCE
-from slab_track.motion import MOTION, VELOCITY_COLUMNS
-
-ANSWERS = 10
-"""Rows of what happens at the wheels, see :attr:`TrackState.answers`."""
-
-(
-    TIME,
+from slab_track.kernels.motion import COLUMNS
+from slab_track.kernels.state import (
+    DATUM,
+    HEAD,
     POINT_TIME,
     PREVIOUS_TIME,
+    SHIFT_COUNT,
+    SHIFT_RESIDUAL,
+    TIME,
+    WHEEL_OUTPUTS,
     WINDOW_START,
-    SLIDE_COUNT,
-    SLIDE_RESIDUAL,
-    DATUM,
-) = range(7)
-"""Places of the single numbers at the head of the vector."""
+    StateArrays,
+)
+from slab_track.kernels.vertical import VerticalFields
+from slab_track.motion import VELOCITY_COLUMNS
 
-_HEAD = 7
+_PARTS = (
+    "head",
+    "static_heights",
+    "places",
+    "motion_now",
+    "motion_before",
+    "rates_seen",
+    "row",
+    "rail_force",
+    "earlier_force",
+    "normal",
+    "creep",
+    "rail",
+    "located",
+    "forces",
+    "wheelset",
+    "outputs",
+    "rail_fields",
+    "slab_fields",
+    "compression",
+    "fastener_force",
+    "lateral",
+)
+"""The parts in their order in the vector; what is given to the partner lies side by side."""
 
-(
-    STATIC_HEIGHTS,
-    PLACES,
-    MOTION_NOW,
-    MOTION_BEFORE,
-    RATES_SEEN,
-    ROW,
-    RAIL_FORCE,
-    EARLIER_FORCE,
-    NORMAL,
-    CREEP,
-    RAIL,
-    LOCATED_PATCHES,
-    PATCH_FORCES,
-    WHEELSET,
-    ANSWER,
-    FASTENER_FORCE,
-    RAIL_S,
-    SLAB_S,
-    COMPRESSION_S,
-    RAIL_A,
-    SLAB_A,
-    COMPRESSION_A,
-    LATERAL,
-) = range(23)
-"""Numbers of the parts that are arrays, in their order in the vector.
-
-What is given to the partner, WHEELSET and ANSWER, lies side by side."""
+_FIELDS = "rail_fields"
 
 
 class FieldState(NamedTuple):
@@ -77,46 +74,15 @@ class FieldState(NamedTuple):
     compression: np.ndarray
 
 
-class WheelState(NamedTuple):
-    """What happens at the wheels; left first.
-
-    Attributes
-    ----------
-    rail_force, earlier_force
-        Force on the rail's axis: lateral, vertical, roll moment, (wheels, 2, 3); that of an
-        internal step before.
-    normal, creep
-        Normal and lateral creep force of the patches (tread, flange), (wheels, 2, 2), N.
-    rail
-        Motion of the rail's axis: y, z, roll and rates, (wheels, 2, 6).
-    wheelset
-        Contact force and moment on each wheelset, (wheels, 6).
-    located, forces
-        Patches, columns as in :mod:`slab_track.contact.wheelset`.
-    """
-
-    rail_force: np.ndarray
-    earlier_force: np.ndarray
-    normal: np.ndarray
-    creep: np.ndarray
-    rail: np.ndarray
-    wheelset: np.ndarray
-    located: np.ndarray
-    forces: np.ndarray
-
-    @classmethod
-    def empty(cls, wheels: int) -> "WheelState":
-        """Return wheels without any force."""
-        return cls(
-            rail_force=np.zeros((wheels, 2, 3)),
-            earlier_force=np.zeros((wheels, 2, 3)),
-            normal=np.zeros((wheels, 2, 2)),
-            creep=np.zeros((wheels, 2, 2)),
-            rail=np.zeros((wheels, 2, 6)),
-            wheelset=np.zeros((wheels, 6)),
-            located=np.zeros((wheels, 2, 2, LOCATED)),
-            forces=np.zeros((wheels, 2, 2, FORCED)),
-        )
+def no_wheel_forces(wheelsets: int) -> Wheels:
+    """Return :class:`slab_track.contact.interaction.Wheels` without any force."""
+    w = wheelsets
+    shapes = ((w, 2, 3), (w, 2, 3), (w, 2, 2), (w, 2, 2), (w, 2, 6), (w, 6))
+    return Wheels(
+        *(np.zeros(shape) for shape in shapes),
+        located=np.zeros((w, 2, 2, LOCATED)),
+        forces=np.zeros((w, 2, 2, FORCED)),
+    )
 
 
 class StateLayout:
@@ -124,28 +90,26 @@ class StateLayout:
 
     Attributes
     ----------
-    shapes
-        Of the arrays, by their numbers.
-    starts
-        Of the arrays in the vector, and its end, shape (arrays + 1,).
+    shapes, slices
+        Of the parts, by name.
+    slab_modes
+        Modes of a slab in the symmetric and in the antisymmetric class.
+    size
+        Length of the vector.
     """
 
     def __init__(
         self, *, wheelsets: int, waves: int, fasteners: int, slabs: int, slab_modes: Sequence[int]
     ) -> None:
-        w = wheelsets
-        fields = [
-            shape
-            for count in slab_modes
-            for shape in ((3, 2, waves), (3, slabs, count), (2, fasteners))
-        ]
-        self.shapes: tuple[tuple[int, ...], ...] = (
+        w, self.slab_modes = wheelsets, tuple(slab_modes)
+        shapes: tuple[tuple[int, ...], ...] = (
+            (HEAD,),
             (w,),
             (w,),
-            (w, len(MOTION)),
-            (w, len(MOTION)),
+            (w, COLUMNS),
+            (w, COLUMNS),
             (5,),
-            (w, len(MOTION)),
+            (w, COLUMNS),
             (w, 2, 3),
             (w, 2, 3),
             (w, 2, 2),
@@ -154,50 +118,54 @@ class StateLayout:
             (w, 2, 2, LOCATED),
             (w, 2, 2, FORCED),
             (w, 6),
-            (ANSWERS, w, 2),
+            (WHEEL_OUTPUTS, w, 2),
+            (2, 3, 2, waves),
+            (2, 3, slabs, max(slab_modes)),
+            (2, 2, fasteners),
             (2, fasteners),
-            *fields,
             (2, 3, 3, waves),
         )
-        sizes = [math.prod(shape) for shape in self.shapes]
-        self.starts = np.cumsum([_HEAD, *sizes])
+        self.shapes = dict(zip(_PARTS, shapes, strict=True))
+        ends = np.cumsum([0, *(math.prod(shape) for shape in shapes)]).tolist()
+        self.slices = {
+            name: slice(start, stop)
+            for name, start, stop in zip(_PARTS, ends[:-1], ends[1:], strict=True)
+        }
+        self.size = int(ends[-1])
 
-    @property
-    def size(self) -> int:
-        """Length of the vector."""
-        return int(self.starts[-1])
+    def places(self, part: str) -> np.ndarray:
+        """Return the places of a part's numbers in the vector, in its shape."""
+        here = self.slices[part]
+        return np.arange(here.start, here.stop).reshape(self.shapes[part])
 
-    def places(self, part: int) -> np.ndarray:
-        """Return the places of an array's numbers in the vector, in the array's shape."""
-        return np.arange(*self.starts[part : part + 2]).reshape(self.shapes[part])
+    def view(self, vector: np.ndarray, part: str) -> np.ndarray:
+        """Return a part of the state as a view of its vector."""
+        return vector[self.slices[part]].reshape(self.shapes[part])
 
-    def view(self, vector: np.ndarray, part: int) -> np.ndarray:
-        """Return an array of the state as a view of its vector."""
-        return vector[self.starts[part] : self.starts[part + 1]].reshape(self.shapes[part])
+    def arrays(self, vector: np.ndarray) -> StateArrays:
+        """Return all parts as the kernels see them; views of the vector."""
+        of = {name: self.view(vector, name) for name in _PARTS}
+        fields = self.slices[_FIELDS].start
+        return StateArrays(
+            small=vector[:fields],
+            fields=vector[fields:],
+            wheels=Wheels(**{name: of.pop(name) for name in Wheels._fields}),
+            vertical=VerticalFields(
+                rail=of.pop("rail_fields"),
+                slab=of.pop("slab_fields"),
+                compression=of.pop("compression"),
+                fastener_force=of.pop("fastener_force"),
+            ),
+            **of,
+        )
 
 
 def _number(place: int) -> Any:
     return property(lambda self: float(self.vector[place]))
 
 
-def _array(part: int) -> Any:
+def _array(part: str) -> Any:
     return property(lambda self: self.layout.view(self.vector, part))
-
-
-def _arrays(kind: Any, parts: tuple[int, ...]) -> Any:
-    return property(lambda self: kind(*(self.layout.view(self.vector, part) for part in parts)))
-
-
-_WHEEL_PARTS = (
-    RAIL_FORCE,
-    EARLIER_FORCE,
-    NORMAL,
-    CREEP,
-    RAIL,
-    WHEELSET,
-    LOCATED_PATCHES,
-    PATCH_FORCES,
-)
 
 
 class TrackState:
@@ -217,11 +185,11 @@ class TrackState:
         Wheelset motion at the last communication point, (wheelsets, 11).
     wheels
         Forces and rail motions at the wheels.
-    answers
-        What happens at the wheels, (ANSWERS, wheelsets, 2), left first. Rows: normal,
+    wheel_outputs
+        What happens at the wheels, (WHEEL_OUTPUTS, wheelsets, 2), left first. Rows: normal,
         longitudinal and lateral creep force, N; penetration, m, and contact angle, rad, of the
         patch that carries most; vertical displacement of the rail's axis and lateral one of its
-        head, m; roll, rad; lateral (guiding) and vertical force of the wheel on the rail, N.
+        head, m; roll, rad; lateral and vertical force of the wheel on the rail, Y and Q, N.
     contact
         Contact force and moment on each wheelset, (wheelsets, 6), N and N.m.
     fastener_force
@@ -229,10 +197,10 @@ class TrackState:
     window_start
         Position of the window's rear end on the line, m.
     slide_count
-        Slides since the start.
+        Shifts of the window since the start.
     slide_residual
         Largest deviation of the rails' vertical deflection over the common part of the old
-        and the new window at the last slide, m.
+        and the new window at the last shift, m.
     datum
         Height of the wheelsets above first touch at zero vertical displacement, m.
     static_heights
@@ -248,43 +216,58 @@ class TrackState:
 
     time = _number(TIME)
     window_start = _number(WINDOW_START)
-    slide_residual = _number(SLIDE_RESIDUAL)
+    slide_residual = _number(SHIFT_RESIDUAL)
     datum = _number(DATUM)
-    static_heights = _array(STATIC_HEIGHTS)
-    places = _array(PLACES)
-    motion = _array(MOTION_NOW)
-    answers = _array(ANSWER)
-    contact = _array(WHEELSET)
-    fastener_force = _array(FASTENER_FORCE)
-    rails = _array(LATERAL)
-    symmetric = _arrays(FieldState, (RAIL_S, SLAB_S, COMPRESSION_S))
-    antisymmetric = _arrays(FieldState, (RAIL_A, SLAB_A, COMPRESSION_A))
-    wheels = _arrays(WheelState, _WHEEL_PARTS)
+    static_heights = _array("static_heights")
+    places = _array("places")
+    motion = _array("motion_now")
+    wheel_outputs = _array("outputs")
+    contact = _array("wheelset")
+    fastener_force = _array("fastener_force")
+    rails = _array("lateral")
+    rail_force = _array("rail_force")
+
+    @property
+    def wheels(self) -> Wheels:
+        """Forces and rail motions at the wheels."""
+        return Wheels(*(self.layout.view(self.vector, name) for name in Wheels._fields))
+
+    def _field(self, symmetry: int) -> FieldState:
+        rail, slab, compression = (
+            self.layout.view(self.vector, name)[symmetry]
+            for name in ("rail_fields", "slab_fields", "compression")
+        )
+        return FieldState(rail, slab[..., : self.layout.slab_modes[symmetry]], compression)
+
+    @property
+    def symmetric(self) -> FieldState:
+        """Vertical coordinates of the symmetric class."""
+        return self._field(0)
+
+    @property
+    def antisymmetric(self) -> FieldState:
+        """Vertical coordinates of the antisymmetric class."""
+        return self._field(1)
 
     @property
     def slide_count(self) -> int:
-        """Slides since the start."""
-        return int(self.vector[SLIDE_COUNT])
-
-    @property
-    def rail_force(self) -> np.ndarray:
-        """Force of the wheels on the rails' axes: lateral, vertical, roll moment, (w, 2, 3)."""
-        return self.layout.view(self.vector, RAIL_FORCE)
+        """Shifts of the window since the start."""
+        return int(self.vector[SHIFT_COUNT])
 
     @property
     def wheel_positions(self) -> np.ndarray:
         """Positions of the wheelsets on the line at :attr:`time`, (wheelsets,), m."""
-        return self.layout.view(self.vector, ROW)[:, 0]
+        return self.layout.view(self.vector, "row")[:, 0]
 
     @property
     def normal_force(self) -> np.ndarray:
         """Normal force of each wheel, (wheelsets, 2), N, left first."""
-        return self.layout.view(self.vector, PATCH_FORCES)[..., NORMAL_FORCE].sum(axis=2)
+        return self.layout.view(self.vector, "forces")[..., NORMAL_FORCE].sum(axis=2)
 
     @property
     def rail_deflection(self) -> np.ndarray:
         """Vertical displacement of the rails under the wheels, (wheelsets, 2), m."""
-        return self.layout.view(self.vector, RAIL)[:, :, 1]
+        return self.layout.view(self.vector, "rail")[:, :, 1]
 
     def replace(self, **changes: Any) -> "TrackState":
         """Return a state with some ``changes``: numbers, arrays or tuples of arrays by name."""
@@ -303,16 +286,16 @@ class TrackState:
 _NUMBERS = {
     "time": TIME,
     "window_start": WINDOW_START,
-    "slide_count": SLIDE_COUNT,
-    "slide_residual": SLIDE_RESIDUAL,
+    "slide_count": SHIFT_COUNT,
+    "slide_residual": SHIFT_RESIDUAL,
     "datum": DATUM,
 }
 
 
 def begin_motion(state: TrackState, time: float, motion: np.ndarray) -> None:
     """Write a single communication point into a new state: there is none before it."""
-    vector, view = state.vector, state.layout.view
-    vector[[TIME, POINT_TIME]], vector[PREVIOUS_TIME] = time, np.nan
-    view(vector, MOTION_NOW)[:] = view(vector, MOTION_BEFORE)[:] = motion
-    view(vector, ROW)[:, 0] = motion[:, 0]
-    view(vector, RATES_SEEN)[:] = np.any(motion[:, VELOCITY_COLUMNS] != 0.0, axis=0)
+    arrays = state.layout.arrays(state.vector)
+    arrays.head[[TIME, POINT_TIME]], arrays.head[PREVIOUS_TIME] = time, np.nan
+    arrays.motion_now[:] = arrays.motion_before[:] = motion
+    arrays.row[:, 0] = motion[:, 0]
+    arrays.rates_seen[:] = np.any(motion[:, VELOCITY_COLUMNS] != 0.0, axis=0)

@@ -10,35 +10,13 @@ the system extended by a chain of integrators.
 """
 
 from collections import OrderedDict
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
 
+from rail_vehicle.kernels import Operators
 from rail_vehicle.linear_system import FirstOrderSystem
 from rail_vehicle.multibody import Array
-
-
-class Operators(NamedTuple):
-    """Matrices of one step, stored by columns (transposed) for the kernel.
-
-    Attributes
-    ----------
-    known
-        To the new state from (old state 90, force at start 24, at end 24,
-        bow 24, frame acceleration 1, internal forces at start 16): (179, 90).
-    internal
-        To the new state from the internal forces at the end, (16, 90).
-    signals
-        To the signals from the state, (90, 24).
-    feedback
-        To the signals from the internal forces at the end, (16, 24).
-    """
-
-    known: Array
-    internal: Array
-    signals: Array
-    feedback: Array
 
 
 def make_operators(system: FirstOrderSystem, step: float) -> Operators:

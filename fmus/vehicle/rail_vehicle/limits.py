@@ -25,7 +25,7 @@ from rail_vehicle.coordinates import (
     Z,
 )
 from rail_vehicle.errors import StepError
-from rail_vehicle.kernel import PITCH_RATES, VECTOR_COUNT
+from rail_vehicle.kernels import PITCH_RATES, VECTOR_COUNT
 from rail_vehicle.multibody import Array
 from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
 

@@ -2,15 +2,16 @@
 
 import dataclasses
 import math
+import threading
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from rail_quantities import flatten
-from rail_quantities.uncounted import Reference
 
 from rail_vehicle import limits
 from rail_vehicle.arrangement import wheelset_positions
+from rail_vehicle.constants import step_constants
 from rail_vehicle.coordinates import (
     COORDINATE_COUNT,
     FREE,
@@ -21,25 +22,32 @@ from rail_vehicle.coordinates import (
     Y,
     Z,
 )
-from rail_vehicle.errors import StepError
+from rail_vehicle.coupling import ForceHistory
+from rail_vehicle.errors import ExtrapolationError, StepError
 from rail_vehicle.integration import OperatorCache, contraction, element_gains
-from rail_vehicle.kernel import (
+from rail_vehicle.kernels import (
     BEYOND,
     DAMPER_FORCES,
+    FORCE_COUNT,
     GOOD,
+    NOT_FOLLOWED,
     PITCH_ANGLES,
     PITCH_RATES,
     POSITION,
-    RESULT_COUNT,
     SPEED,
     VECTOR_COUNT,
+    Constants,
+    Operators,
+    coupled_step,
     evaluate,
+    step,
+    workspace,
 )
 from rail_vehicle.linear_system import FREE_COUNT, LinearSystem, assemble, first_order
-from rail_vehicle.nonlinear import largest_slopes, law_constants
+from rail_vehicle.nonlinear import largest_slopes
 from rail_vehicle.outputs import MOTION_COUNT, Output, make_output_map
 from rail_vehicle.parameters import VehicleParameters
-from rail_vehicle.stepping import StepConstants, step_into
+from rail_vehicle.step_limits import LARGEST_EXTRAPOLATION_ERROR
 
 Array = NDArray[np.float64]
 
@@ -64,7 +72,7 @@ class VehicleState:
     Attributes
     ----------
     vector
-        Shape (104,), in SI units, laid out as in :mod:`rail_vehicle.kernel`. It is all
+        Shape (104,), in SI units, laid out as in :mod:`rail_vehicle.kernels`. It is all
         that saving and restoring needs.
     """
 
@@ -159,21 +167,12 @@ class VehicleModel:
         self._linear, bodies = assemble(parameters)
         system = first_order(parameters, self._linear)
         self._operators = OperatorCache(system)
-        self._law = law_constants(parameters)
-        self._constants = np.array(
-            [
-                system.spin_inertia,
-                self._rolling_spin(parameters.speed),
-                -2.0 * parameters.static_wheel_load,
-            ]
-        )
-        self._limits = limits.motion_limits(parameters)
-        self._signals = np.ascontiguousarray(system.signals.T)
-        self._outputs = make_output_map(parameters, bodies, system)
-        self.output_table: tuple[Output, ...] = self._outputs.table
+        self._of_thread = threading.local()
+        outputs = make_output_map(parameters, bodies, system)
+        self._constants = step_constants(parameters, system, outputs)
+        self.output_table: tuple[Output, ...] = outputs.table
         self._index = {output.name: place for place, output in enumerate(self.output_table)}
         self.internal_step = self._longest_step()
-        self._made: tuple[float, Any, int] = (math.nan, None, 0)
 
     def _rolling_spin(self, speed: float) -> float:
         return -speed / self.parameters.wheelset.radius
@@ -242,7 +241,7 @@ class VehicleModel:
         leading = wheelset_positions(self.parameters)[0]
         vector[POSITION] = self.parameters.initial_position - leading
         vector[SPEED] = speed
-        limits.check_start(vector, self._limits, heights)
+        limits.check_start(vector, self._constants.limits, heights)
         return VehicleState(vector)
 
     def outputs(
@@ -259,17 +258,12 @@ class VehicleModel:
         acceleration
             Of the car body along the line, m/s2.
         """
-        result = np.empty(RESULT_COUNT)
+        outputs = np.empty(len(self.output_table))
         evaluate(
-            state.vector,
-            _flat(forces),
-            acceleration,
-            self._signals,
-            self._constants,
-            self._law,
-            result,
-        )
-        return VehicleOutputs(self._outputs(result), self._index)
+            self._operators[self.internal_step], self._constants, workspace(), state.vector,
+            _flat(forces), float(acceleration), outputs,
+        )  # fmt: skip
+        return VehicleOutputs(outputs, self._index)
 
     def step(
         self,
@@ -278,7 +272,7 @@ class VehicleModel:
         force_end: Array,
         dt: float,
         speed_setpoint: float | None = None,
-        force_bow: Array | None = None,
+        force_quadratic: Array | None = None,
     ) -> tuple[VehicleState, VehicleOutputs]:
         """Advance by ``dt`` seconds.
 
@@ -293,9 +287,9 @@ class VehicleModel:
         speed_setpoint
             Speed to be reached at the end, m/s, within the limit of
             acceleration; by default the present speed.
-        force_bow
+        force_quadratic
             Quadratic part of the forces, shape (4, 6): they are
-            ``start + (end - start) s + bow s (s - 1)`` with s from 0 to 1.
+            ``start + (end - start) s + quadratic s (s - 1)`` with s from 0 to 1.
 
         Returns
         -------
@@ -308,85 +302,70 @@ class VehicleModel:
             If the step is not positive, the state is no longer finite, or a body is beyond
             the limits of motion: 5 m or 1 rad from where it rests.
         """
-        forces = np.zeros((3, 24))
-        forces[0], forces[1] = _flat(force_start), _flat(force_end)
-        if force_bow is not None:
-            forces[2] = _flat(force_bow)
-        result, outputs = np.empty(RESULT_COUNT), np.empty(len(self.output_table))
-        self.step_into(state.vector, forces, dt, speed_setpoint, result, outputs)
-        return VehicleState(result[:VECTOR_COUNT]), VehicleOutputs(outputs, self._index)
+        bound = getattr(self._of_thread, "step", None)
+        if bound is None or bound.duration != dt:
+            bound = self._of_thread.step = _BoundStep(self, self._constants, dt)
+        bound.vector[:] = state.vector
+        bound.forces[0], bound.forces[1] = _flat(force_start), _flat(force_end)
+        bound.forces[2] = 0.0 if force_quadratic is None else _flat(force_quadratic)
+        bound.timing[1] = self.wanted_speed(bound.vector, speed_setpoint)
+        found = bound.call()
+        if found != GOOD:
+            raise StepError(self.why(found, bound.vector, bound.new))
+        return VehicleState(bound.new.copy()), VehicleOutputs(bound.outputs.copy(), self._index)
 
-    def step_into(
+    def march(
         self,
-        vector: Array,
-        forces: Array,
-        dt: float,
-        speed_setpoint: float | None,
-        result: Array,
+        state: VehicleState,
+        history: ForceHistory,
+        unit: tuple[float, ...],
         outputs: Array,
-    ) -> None:
-        """Advance by ``dt`` seconds as :meth:`step` does, into arrays of the caller.
+    ) -> "March":
+        """Return what steps on from a state with forces at communication points.
 
         Parameters
         ----------
-        vector
-            State at the start, shape (104 or more,), SI units; what follows it is not read.
-        forces
-            Contact forces at start and end and their quadratic part, shape (3, 24), N, N.m.
-        dt, speed_setpoint
-            In s and m/s, as for :meth:`step`.
-        result
-            Written: the state at the end, then what the outputs are made of, shape (145,),
-            SI units; not the memory of ``vector``.
+        state, history
+            Where it starts.
+        unit
+            What counts as a large force or moment on a wheelset, six numbers, N and N.m.
         outputs
-            Written: all outputs, in the order and the units of ``output_table``.
+            Shape (outputs,), written at every step, SI units.
+        """
+        return March(self, self._constants, state.vector, history, unit, outputs)
+
+    def operators(self, dt: float) -> tuple[Operators, int]:
+        """Return the operators of a communication step of ``dt`` s, and its internal steps.
 
         Raises
         ------
         StepError
-            As :meth:`step`; ``vector`` and ``outputs`` are then unchanged.
+            If it is not positive, or too long.
         """
-        if dt != self._made[0]:
-            self._made = self._make(dt)
-        acceleration = self._acceleration(float(vector[SPEED]), speed_setpoint, dt)
-        _, constants, count = self._made
-        found = step_into(
-            constants, vector, forces, acceleration, dt / count, count, result, outputs
-        )
-        if found != GOOD:
-            raise StepError(self._why(found, vector, result))
-
-    def _make(self, dt: float) -> tuple[float, Reference, int]:
-        """Return ``dt`` (s), what its step takes, and how many parts it has."""
-        count, of = self._count(dt), self._outputs
-        constants = StepConstants(
-            *self._operators[dt / count],
-            constants=self._constants,
-            law=self._law,
-            limits=self._limits,
-            offsets=of.offsets,
-            values=of.values,
-            columns=of.columns,
-            row_starts=of.row_starts,
-        )
-        return dt, Reference(constants), count
-
-    def _count(self, dt: float) -> int:
-        """Return the number of internal steps in a step of ``dt`` s."""
         if not 0.0 < dt <= _MOST_PARTS * self.internal_step:
             raise StepError(
                 f"step size {dt!r} s: must be positive and finite, and at most "
                 f"{_MOST_PARTS * self.internal_step:g} s, {_MOST_PARTS} internal steps"
             )
-        return max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
+        count = max(1, math.ceil(dt / self.internal_step * (1.0 - 1e-9)))
+        return self._operators[dt / count], count
 
-    def _why(self, found: int, vector: Array, result: Array) -> str:
+    @staticmethod
+    def wanted_speed(vector: Array, setpoint: float | None) -> float:
+        """Return the speed to be reached, m/s: ``setpoint``, or that of ``vector`` (104,)."""
+        if setpoint is None:
+            return float(vector[SPEED])
+        limits.check_setpoint(setpoint)
+        return setpoint
+
+    def why(self, found: int, vector: Array, new: Array) -> str:
+        """Say why a step came no farther: ``found``, from ``vector`` to ``new``, (104,)."""
         place = f"at position {vector[POSITION]:.3f} m"
         if found == BEYOND:
             return (
-                f"{limits.beyond(result, self._limits)}, {place}: the contact forces drive the "
-                "vehicle off its track, or the coupling diverges; look at what gives these forces, "
-                "or try a smaller communication step"
+                f"{limits.beyond(new, self._constants.limits)}, {place}: the contact forces "
+                "drive the vehicle off its track, or the coupling diverges; look at what gives "
+                "these forces, or try a smaller communication step"
             )
         return (
             f"the vehicle's motion could not be found {place}: "
@@ -394,9 +373,119 @@ class VehicleModel:
             "try a smaller communication step"
         )
 
-    def _acceleration(self, speed: float, setpoint: float | None, dt: float) -> float:
-        if setpoint is None:
-            return 0.0
+
+class _BoundStep:
+    """A step of ``duration`` s, with the arrays that it takes and fills."""
+
+    def __init__(self, model: VehicleModel, constants: Constants, duration: float) -> None:
+        operators, count = model.operators(duration)
+        self.duration, self.timing = duration, np.array([duration, 0.0])
+        self.vector, self.new = np.zeros(VECTOR_COUNT), np.zeros(VECTOR_COUNT)
+        self.forces, self.outputs = np.zeros((3, FORCE_COUNT)), np.zeros(len(model.output_table))
+        self.call = step.bind(
+            operators, constants, workspace(), self.vector, self.forces, self.timing, count,
+            self.new, self.outputs,
+        )  # fmt: skip
+
+
+class March:
+    """A vehicle that steps on: two states, in turn the one at the start and the one at the end.
+
+    Parameters
+    ----------
+    model
+        The vehicle.
+    constants
+        Of its steps.
+    vector, history
+        State and contact forces to start from; they are copied.
+    unit
+        What counts as a large force or moment on a wheelset, six numbers, N and N.m.
+    outputs
+        Written at every step.
+    """
+
+    def __init__(
+        self,
+        model: VehicleModel,
+        constants: Constants,
+        vector: Array,
+        history: ForceHistory,
+        unit: tuple[float, ...],
+        outputs: Array,
+    ) -> None:
+        self._unit = np.tile(np.array(unit, dtype=float), FORCE_COUNT // 6)
+        self._model, self._constants, self._outputs = model, constants, outputs
+        self._vectors = np.array(vector), np.zeros(VECTOR_COUNT)
+        self._history, self._newest = history.packed(), np.zeros(FORCE_COUNT)
+        self._timing, self._work = np.zeros(3), workspace()
+        self._now, self._key = 0, (math.nan, 0, False)
+        self._calls: list[Any] = []
+
+    @property
+    def vector(self) -> Array:
+        """Present state; copy what is to stay."""
+        return self._vectors[self._now]
+
+    @property
+    def history(self) -> ForceHistory:
+        """Contact forces at the last communication points."""
+        return ForceHistory.of_packed(self._history)
+
+    def step(
+        self, forces: Array, elapsed: float, dt: float, setpoint: float, order: int, at_end: bool
+    ) -> None:
+        """Advance by ``dt`` s.
+
+        Parameters
+        ----------
+        forces
+            Contact forces on the wheelsets, (24,), N and N.m, ``elapsed`` s after those before.
+        dt, setpoint
+            In s and m/s.
+        order, at_end
+            Degree of the forces over the step, and whether ``forces`` stand for its end.
+
+        Raises
+        ------
+        StepError
+            As :meth:`VehicleModel.step`.
+        ExtrapolationError
+            If the forces turn from step to step.
+        """
+        if (dt, order, at_end) != self._key:
+            self._bind(dt, order, at_end)
+        now = self._now
+        self._newest[:] = forces
+        timing = self._timing
+        timing[0], timing[1], timing[2] = dt, setpoint, elapsed
         limits.check_setpoint(setpoint)
-        limit = self.parameters.speed_constraint.acceleration_limit
-        return min(max((setpoint - speed) / dt, -limit), limit)
+        found = self._calls[now]()
+        if found == NOT_FOLLOWED:
+            raise ExtrapolationError("the contact forces do not follow from those before")
+        if found != GOOD:
+            raise StepError(self._model.why(found, self._vectors[now], self._vectors[1 - now]))
+        self._now = 1 - now
+
+    def _bind(self, dt: float, order: int, at_end: bool) -> None:
+        operators, count = self._model.operators(dt)
+        self._calls = [
+            coupled_step.bind(
+                operators,
+                self._constants,
+                self._work,
+                self._vectors[first],
+                self._history,
+                self._newest,
+                self._timing,
+                order,
+                at_end,
+                self._unit,
+                LARGEST_EXTRAPOLATION_ERROR,
+                count,
+                self._vectors[1 - first],
+                self._outputs,
+            )
+            for first in (0, 1)
+        ]
+        self._key = dt, order, at_end

@@ -1,7 +1,6 @@
 """Constants of the non-linear elements: two dampers with blow-off, and lateral stops.
 
-Their laws are in :mod:`rail_vehicle.kernel`, because numba does not notice when
-something compiled in another file has changed.
+Their laws are in :mod:`rail_vehicle.kernels`.
 """
 
 import numpy as np
@@ -11,26 +10,6 @@ from rail_vehicle.parameters import VehicleParameters
 
 ELEMENT_COUNT = 8
 """Four yaw dampers, two lateral dampers, two lateral stops."""
-
-
-def law_constants(parameters: VehicleParameters) -> NDArray[np.float64]:
-    """Constants of the force laws: yaw damper (4), lateral damper (3), stop (3)."""
-    yaw, lateral = parameters.yaw_damper, parameters.lateral_damper
-    stop = parameters.lateral_bump_stop
-    return np.array(
-        [
-            yaw.damping,
-            yaw.blow_off_force,
-            yaw.blow_off_damping,
-            yaw.series_stiffness,
-            lateral.damping,
-            lateral.blow_off_force,
-            lateral.blow_off_damping,
-            stop.clearance,
-            stop.stiffness,
-            stop.cubic_stiffness,
-        ]
-    )
 
 
 def largest_slopes(parameters: VehicleParameters, stroke: float) -> NDArray[np.float64]:

@@ -31,14 +31,13 @@ from rail_vehicle.coordinates import (
     Y,
     Z,
 )
-from rail_vehicle.kernel import (
+from rail_vehicle.kernels import (
     PITCH_ANGLES,
     PITCH_RATES,
     POSITION,
     RESULT_COUNT,
     SPEED,
     VECTOR_COUNT,
-    write_outputs,
 )
 from rail_vehicle.linear_system import FORCE_COUNT, FREE_COUNT, STATE_COUNT, FirstOrderSystem
 from rail_vehicle.multibody import Array, Body, Element
@@ -101,18 +100,8 @@ class OutputMap:
     table: tuple[Output, ...]
     offsets: Array
     values: Array
-    columns: NDArray[np.int32]
-    row_starts: NDArray[np.int32]
-
-    def write(self, result: Array, outputs: Array) -> None:
-        """Write the outputs' values, shape (number of outputs,)."""
-        write_outputs(self.offsets, self.values, self.columns, self.row_starts, result, outputs)
-
-    def __call__(self, result: Array) -> Array:
-        """Return the outputs' values, shape (number of outputs,)."""
-        outputs = np.empty_like(self.offsets)
-        self.write(result, outputs)
-        return outputs
+    columns: NDArray[np.int64]
+    row_starts: NDArray[np.int64]
 
 
 def make_output_map(
@@ -126,8 +115,8 @@ def make_output_map(
         table=tuple(output for output, _, _ in entries),
         offsets=np.array([offset for _, _, offset in entries]),
         values=np.asarray(matrix.data, dtype=np.float64),
-        columns=matrix.indices.astype(np.int32),
-        row_starts=matrix.indptr.astype(np.int32),
+        columns=matrix.indices.astype(np.int64),
+        row_starts=matrix.indptr.astype(np.int64),
     )
 
 

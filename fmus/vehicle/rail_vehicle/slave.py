@@ -1,6 +1,5 @@
 """The vehicle as an FMI slave: a thin mapping between variables and the model."""
 
-import contextlib
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
@@ -16,13 +15,12 @@ from rail_fmi import (
 from rail_quantities import ParameterSet, flatten, terminals, with_values
 
 from rail_vehicle import errors
-from rail_vehicle.coupling import INPUT_TIMES, ForceHistory, ForceMemory
+from rail_vehicle.coupling import INPUT_TIMES, ForceHistory
 from rail_vehicle.guide import GUIDE
-from rail_vehicle.kernel import RESULT_COUNT, VECTOR_COUNT
 from rail_vehicle.model import VehicleModel, VehicleState
 from rail_vehicle.parameters import LARGEST_DISPLACEMENT, VehicleParameters
 from rail_vehicle.presets import MANCHESTER_1, PAPER, SOFT_PRIMARY
-from rail_vehicle.step_limits import LARGEST_SURPRISE, StepLimits
+from rail_vehicle.step_limits import StepLimits
 
 _NUMBERS = range(1, 5)
 _HEIGHTS = tuple(f"wheelset[{i}].initial_vertical_displacement" for i in _NUMBERS)
@@ -106,12 +104,9 @@ class VehicleSlave(RailSlave):
         self._begin(state, ForceHistory.begin(forces))
         self._last_step = 0.0
 
-    def _begin(self, state: VehicleState, history: ForceHistory, surprise: float = 0.0) -> None:
-        """Take a state; what steps write goes to arrays that are made here, in turn."""
-        self._vector = np.zeros(RESULT_COUNT)
-        self._vector[:VECTOR_COUNT] = state.vector
-        self._next = np.zeros(RESULT_COUNT)
-        self._memory = ForceMemory(history, self._limits.unit, surprise)
+    def _begin(self, state: VehicleState, history: ForceHistory) -> None:
+        """Go on from a state."""
+        self._march = self._model.march(state, history, self._limits.unit, self._outputs)
 
     def _find_places(self) -> None:
         self._forces = self.reals[self.slice_of(*_FORCES)]
@@ -136,16 +131,6 @@ class VehicleSlave(RailSlave):
         self._followed = (parameters.speed, load)
         self._speed_is_set = not unset_speed
 
-    def start(self) -> None:
-        """Compile before time matters: a step of no consequence."""
-        step = self._model.internal_step
-        memory = ForceMemory(self._memory.history)
-        forces = memory.take(self._forces, 0.0, step, self._order, at_end=self._at_end)
-        with contextlib.suppress(errors.StepError):  # it comes again where it can be dealt with
-            self._model.step_into(
-                self._vector, forces, step, None, self._next.copy(), self._outputs.copy()
-            )
-
     def step(self, time: float, step_size: float) -> None:
         """Advance the model and write the outputs."""
         at_end = self._at_end
@@ -153,16 +138,15 @@ class VehicleSlave(RailSlave):
             self._told = True
             self.warn(self._limits.warning(step_size))
         elapsed = step_size if at_end else self._last_step
-        forces = self._memory.take(self._forces, elapsed, step_size, self._order, at_end=at_end)
-        if self._memory.surprise > LARGEST_SURPRISE:
-            raise StepError(f"t = {time:.9g} s: {self._limits.error(step_size)}")
         try:
-            self._model.step_into(
-                self._vector, forces, step_size, self._wanted_speed(), self._next, self._outputs
+            self._march.step(
+                self._forces, elapsed, step_size, self._wanted_speed(), self._order, at_end
             )
+        except errors.ExtrapolationError:
+            text = f"t = {time:.9g} s: {self._limits.error(step_size)}"
+            raise StepError(text) from None
         except errors.StepError as error:
             raise StepError(f"t = {time + step_size:.9g} s: {error}") from error
-        self._vector, self._next = self._next, self._vector
         self._last_step = step_size
 
     def _wanted_speed(self) -> float:
@@ -195,12 +179,12 @@ class VehicleSlave(RailSlave):
 
     def save(self) -> dict[str, Any]:
         """Return the state of the model and the forces it remembers."""
-        history = self._memory.history
+        history = self._march.history
         return {
-            "vector": self._vector[:VECTOR_COUNT],
+            "vector": self._march.vector,
             "ages": history.ages,
             "forces": history.forces,
-            "surprise": self._memory.surprise,
+            "extrapolation_error": history.extrapolation_error,
             "last_step": self._last_step,
             "speed_is_set": self._speed_is_set,
         }
@@ -209,8 +193,7 @@ class VehicleSlave(RailSlave):
         """Take back what :meth:`save` returned."""
         self._begin(
             VehicleState.of_vector(state["vector"]),
-            ForceHistory(state["ages"], state["forces"]),
-            float(state["surprise"]),
+            ForceHistory(state["ages"], state["forces"], float(state["extrapolation_error"])),
         )
         self._last_step = float(state["last_step"])
         self._speed_is_set = bool(state["speed_is_set"])

@@ -19,7 +19,7 @@ from rail_cosim.verification.rows import (
     tolerance_text,
 )
 
-_LIBRARIES = ("numpy", "scipy", "numba", "fmpy", "pythonfmu")
+_LIBRARIES = ("numpy", "scipy", "fmpy", "pythonfmu")
 
 _PAGE = Template("""<!DOCTYPE html>
 <html lang="en">

@@ -16,7 +16,9 @@ over the wheel's and the rail's surface. The component of the velocity along
 
 import math
 
-from slab_track.compiled import entry, kernel
+from rail_native import Vector, kernel
+
+from slab_track.core import core
 
 SLOWEST = 0.1
 """Speed (m/s) below which creepages no longer grow: they stay finite at standstill."""
@@ -42,8 +44,17 @@ def angular_velocity(motion):
     )
 
 
-@entry
-def creepages(motion, rail, arm_x, arm_y, arm_z, rail_arm_y, rail_arm_z, angle):
+@core.entry
+def creepages(
+    motion: Vector,
+    rail: Vector,
+    arm_x: float,
+    arm_y: float,
+    arm_z: float,
+    rail_arm_y: float,
+    rail_arm_z: float,
+    angle: float,
+) -> tuple[float, float, float, float]:
     """Return longitudinal creepage, lateral creepage and spin of a patch.
 
     Parameters

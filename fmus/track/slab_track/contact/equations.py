@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from slab_track.contact.creepage import creepages
-from slab_track.contact.fastsim import creep_forces, fastsim_grid
+from slab_track.contact.fastsim import fastsim, fastsim_grid
 from slab_track.contact.tables import ContactTables
-from slab_track.contact.wheelset import FORCED, LOCATED, wheel_rail_contact
+from slab_track.contact.wheelset import FORCED, LOCATED, ContactWork, wheel_rail_contact
 
 SIDES = np.array([-1.0, 1.0])
 """Sign of y on the left and on the right."""
@@ -71,7 +71,7 @@ def profile_contact(
     tables: ContactTables, row: np.ndarray, offsets: np.ndarray, rail: np.ndarray
 ) -> Contact:
     """Return the contact of real profiles, ``tables``; other parameters as above."""
-    out, grid = no_contact(len(row)), fastsim_grid(tables.columns, tables.strips)
+    out = no_contact(len(row))
     patches = _patches(tables, row, offsets, rail)
     for w, side, patch in np.argwhere(patches[..., 0] > 0.0):
         delta, g, *arms, K, ratio, scale, c11, c22, c23 = patches[w, side, patch]
@@ -79,9 +79,9 @@ def profile_contact(
         N = K * delta**1.5  # Eq. (1), K from the curvatures of the profiles
         a, b = scale * N ** (1 / 3) * math.sqrt(ratio), scale * N ** (1 / 3) / math.sqrt(ratio)
         xi, eta, phi, way = creepages(row[w], rail[w, side], *arm, s_y, s_z, g)
-        T_x, T_s, M_n, _ = creep_forces(
-            grid, N, a, b, c11, c22, c23, tables.shear_modulus, tables.friction,
-            way * xi, way * eta, phi,
+        T_x, T_s, M_n = fastsim(
+            N, a, b, c11, c22, c23, tables.shear_modulus, tables.friction,
+            way * xi, way * eta, phi, tables.columns, tables.strips,
         )  # fmt: skip
         T_x, T_s = way * T_x, way * T_s  # rolling backwards the patch is turned by half a turn
         into_rail = np.array([0.0, -math.sin(g), math.cos(g)])
@@ -100,8 +100,10 @@ def _patches(
     """Where the patches are, and their elastic constants: (w, 2, 2, LOCATED)."""
     count = len(row)
     found = np.zeros((count, 2, 2, LOCATED))
+    grid = fastsim_grid(tables.columns, tables.strips)
     wheel_rail_contact(
-        tables, row, rail, np.ascontiguousarray(offsets[..., ::-1]), np.zeros((count, 6)),
-        np.zeros((count, 2, 3)), found, np.zeros((count, 2, 2, FORCED)),
+        tables, grid, ContactWork.of(count), row, rail,
+        np.ascontiguousarray(offsets[..., ::-1]), np.zeros((count, 6)), np.zeros((count, 2, 3)),
+        found, np.zeros((count, 2, 2, FORCED)),
     )  # fmt: skip
     return found

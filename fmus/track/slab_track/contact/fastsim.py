@@ -41,9 +41,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rail_quantities.uncounted import on_stack
+from rail_native import Matrix, Vector, fast_kernel
 
-from slab_track.compiled import entry, maker, stream
+from slab_track.core import core
 
 _LANES = 8
 """Strips that are computed side by side: constant, so that the compiler uses vectors."""
@@ -51,7 +51,8 @@ _LANES = 8
 # Rows of the working array: what is known of each strip while it is stepped through.
 _HALF, _EDGE, _MIDDLE, _LENGTH, _SLIP, _P_X, _P_Y, _SUM_X, _SUM_Y, _SUM_M, _HELD = range(11)
 _ROWS = 11
-_ROOM = _ROWS * _LANES
+STRIP_WORK = _ROWS * _LANES
+"""Numbers that :func:`creep_forces` computes on its way."""
 
 
 class FastsimGrid(NamedTuple):
@@ -66,12 +67,11 @@ class FastsimGrid(NamedTuple):
         Places on (-1, 1) from the leading end of the slip zone, and weights, shape (2, m).
     """
 
-    strips: NDArray[np.float64]
-    columns: NDArray[np.float64]
+    strips: Matrix
+    columns: Matrix
 
 
-@maker
-def fastsim_grid(columns, strips):
+def fastsim_grid(columns: int, strips: int) -> FastsimGrid:
     """Return the :class:`FastsimGrid` of ``columns`` x ``strips`` cells."""
     count = -(-strips // _LANES) * _LANES
     across, along = np.zeros((3, count)), np.empty((2, columns))
@@ -89,10 +89,21 @@ def fastsim_grid(columns, strips):
     return FastsimGrid(across, along)
 
 
-@maker
 def fastsim(
-    normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi, columns, strips
-):
+    normal_force: float,
+    a: float,
+    b: float,
+    c11: float,
+    c22: float,
+    c23: float,
+    shear_modulus: float,
+    friction: float,
+    xi: float,
+    eta: float,
+    phi: float,
+    columns: int,
+    strips: int,
+) -> tuple[float, float, float]:
     """Return forces and moment on the wheel in the contact plane.
 
     Parameters
@@ -118,15 +129,29 @@ def fastsim(
     Longitudinal force (N), lateral force (N), moment about the contact normal (N.m).
     """
     t_x, t_y, moment, _ = creep_forces(
-        fastsim_grid(columns, strips),
+        fastsim_grid(columns, strips), np.zeros(STRIP_WORK),
         normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi,
     )  # fmt: skip
     return t_x, t_y, moment
 
 
-@entry
-def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, friction, xi, eta, phi):
-    """As :func:`fastsim`, on a grid made before.
+@core.entry
+def creep_forces(
+    grid: FastsimGrid,
+    work: Vector,
+    normal_force: float,
+    a: float,
+    b: float,
+    c11: float,
+    c22: float,
+    c23: float,
+    shear_modulus: float,
+    friction: float,
+    xi: float,
+    eta: float,
+    phi: float,
+) -> tuple[float, float, float, float]:
+    """As :func:`fastsim`, on a grid made before, with ``work`` (STRIP_WORK,).
 
     A fourth value is the part of Kalker's slope of the forces, 0 to 1, that the adhering particles
     account for: the slope itself lies between this part of it and the whole.
@@ -141,28 +166,28 @@ def creep_forces(grid, normal_force, a, b, c11, c22, c23, shear_modulus, frictio
     spin = phi * 4.0 * shear_modulus * c23 / (math.pi * math.sqrt(a / b) * bound)
     stiffer = math.sqrt(c22 / c11)
     force_x = force_y = moment = held = 0.0
-    work = on_stack(_ROOM)
     for first in range(0, grid.strips.shape[1], _LANES):
-        strips = grid.strips[:, first : first + _LANES]
-        _adhere(strips, slip_x, slip_y, spin * a, spin * b, work)
+        _adhere(grid.strips, first, slip_x, slip_y, spin * a, spin * b, work)
         _slip(grid.columns, slip_y, spin * a, stiffer, work)
         for i in range(_LANES):
-            weight, sum_x = strips[2, i], work[_SUM_X * _LANES + i]
+            weight, sum_x = grid.strips[2, first + i], work[_SUM_X * _LANES + i]
             force_x += weight * sum_x
             force_y += weight * work[_SUM_Y * _LANES + i]
             held += weight * work[_HELD * _LANES + i]
-            moment += weight * (a * work[_SUM_M * _LANES + i] - b * strips[0, i] * sum_x)
+            moment += weight * (
+                a * work[_SUM_M * _LANES + i] - b * grid.strips[0, first + i] * sum_x
+            )
     unit = bound * a * b
     # Without slip the sum is 16 / 3.
     return unit * force_x, unit * force_y, unit * moment, 0.1875 * held
 
 
-@stream
-def _adhere(strips, slip_x, slip_y, spin_a, spin_b, work):
+@fast_kernel
+def _adhere(strips, first, slip_x, slip_y, spin_a, spin_b, work):
     """Fill ``work`` with the traction where adhesion ends, and its integrals up to there."""
     for i in range(_LANES):
-        half = strips[1, i]
-        w_x, w_y = slip_x - spin_b * strips[0, i], slip_y + spin_a * half
+        half = strips[1, first + i]
+        w_x, w_y = slip_x - spin_b * strips[0, first + i], slip_y + spin_a * half
         linear = 2.0 * half - 0.5 * w_y * spin_a
         constant = 4.0 * half * half - w_x * w_x - w_y * w_y
         # The discriminant, written so that nothing cancels.
@@ -187,7 +212,7 @@ def _adhere(strips, slip_x, slip_y, spin_a, spin_b, work):
         work[_SUM_M * _LANES + i] = half * sum_y + s2 * s * (w_y / 3.0 - 0.125 * spin_a * s)
 
 
-@stream
+@fast_kernel
 def _slip(columns, slip_y, spin_a, stiffer, work):
     """Step through the rest of the strips, in place."""
     softer = 1.0 / stiffer

@@ -237,7 +237,7 @@ class ContactGeometry:
                 rail.lateral,
                 section.height,
                 section.angle,
-                zone,
+                zone.astype(np.int64),
                 rail.spacing,
                 self.reference_penetration,
                 result[patch],

@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from slab_track.contact.fastsim import fastsim_grid
 from slab_track.contact.parameters import ContactParameters
 from slab_track.contact.tables import ContactTables, build_tables
-from slab_track.contact.wheelset import FORCED, LOCATED, wheel_rail_contact
+from slab_track.contact.wheelset import FORCED, LOCATED, ContactWork, wheel_rail_contact
 
 FloatArray = NDArray[np.float64]
 
@@ -85,7 +86,17 @@ class WheelRailContact:
         wheelset, rail = np.zeros((count, 6)), np.zeros((count, 2, 3))
         located = np.zeros((count, 2, 2, LOCATED))
         forces = np.zeros((count, 2, 2, FORCED))
+        grid = fastsim_grid(self.tables.columns, self.tables.strips)
         inside = wheel_rail_contact(
-            self.tables, motion, rails, offsets, wheelset, rail, located, forces
+            self.tables,
+            grid,
+            ContactWork.of(count),
+            np.ascontiguousarray(motion, dtype=float),
+            np.ascontiguousarray(rails),
+            np.ascontiguousarray(offsets),
+            wheelset,
+            rail,
+            located,
+            forces,
         )
         return ContactResult(wheelset, rail, located, forces, bool(inside))

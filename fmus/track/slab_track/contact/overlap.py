@@ -22,7 +22,9 @@ System Dynamics 60 (2022), 1253-1291 (position weighted by overlap).
 
 import math
 
-from slab_track.compiled import entry
+from rail_native import Indices, Vector
+
+from slab_track.core import core
 
 TREAD, FLANGE = 0, 1
 """Patch indices."""
@@ -40,8 +42,18 @@ _STEEPEST = 10.0
 _MEETING_SHARE = 0.7
 
 
-@entry
-def overlap_patch(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, inside, spacing, depth, out):
+@core.entry
+def overlap_patch(
+    rail_z: Vector,
+    rail_angle: Vector,
+    rail_y: Vector,
+    wheel_z: Vector,
+    wheel_angle: Vector,
+    inside: Indices,
+    spacing: float,
+    depth: float,
+    out: Vector,
+) -> bool:
     """Describe one patch; arguments are arrays over the same points of the section.
 
     Parameters
@@ -49,7 +61,7 @@ def overlap_patch(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, inside, spac
     rail_z, rail_angle, rail_y, wheel_z, wheel_angle
         The profiles (m, rad), shape (n,).
     inside
-        Marks the points that belong to the patch's zone.
+        1 for the points that belong to the patch's zone, else 0.
     spacing, depth
         Distance of the points and reference penetration (m).
     out
@@ -62,12 +74,12 @@ def overlap_patch(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, inside, spac
     count = rail_z.size
     best, lowest = -1, 1.0
     for i in range(count):
-        if inside[i] and wheel_z[i] > -0.5 and rail_z[i] - wheel_z[i] < lowest:
+        if inside[i] != 0 and wheel_z[i] > -0.5 and rail_z[i] - wheel_z[i] < lowest:
             lowest = rail_z[i] - wheel_z[i]
             best = i
     if best < 0:
         return False
-    if 0 < best < count - 1 and inside[best - 1] and inside[best + 1]:
+    if 0 < best < count - 1 and inside[best - 1] * inside[best + 1] != 0:
         before = rail_z[best - 1] - wheel_z[best - 1] - lowest
         after = rail_z[best + 1] - wheel_z[best + 1] - lowest
         bend = before + after
@@ -77,10 +89,10 @@ def overlap_patch(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, inside, spac
     virtual = _VIRTUAL_SHARE * depth
     edge = -1.0
     for i in range(count):
-        if not inside[i] or wheel_z[i] < -0.5:
+        if inside[i] == 0 or wheel_z[i] < -0.5:
             continue
         vertical = rail_z[i] - wheel_z[i] - lowest
-        ends = i == 0 or i == count - 1 or not (inside[i - 1] and inside[i + 1])
+        ends = i == 0 or i == count - 1 or inside[i - 1] * inside[i + 1] == 0
         if vertical > _STEEPEST * depth and not ends:
             continue  # No overlap at any inclination that a patch can have.
         angle = 0.5 * (rail_angle[i] + wheel_angle[i])

@@ -13,15 +13,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rail_native import Array3, Array4, IndexMatrix, Matrix, Vector, kernel
 from rail_quantities import kept_array
 
-from slab_track.compiled import kernel, maker
 from slab_track.contact.geometry import ContactGeometry
 from slab_track.contact.hertz import contact_modulus, hertz_factors
 from slab_track.contact.kalker import kalker_coefficients
 from slab_track.contact.overlap import COLUMN_COUNT, HEIGHT, overlap_patch
 from slab_track.contact.parameters import ContactParameters, Steel
 from slab_track.contact.profile_file import load_profile
+from slab_track.core import core
 
 LATERAL_LIMIT = 0.022
 """Largest tabulated shift of a wheel against its rail (m)."""
@@ -66,12 +67,12 @@ class ContactTables(NamedTuple):
         FASTSIM grid.
     """
 
-    patch: NDArray[np.float64]
+    patch: Array4
     lateral_start: float
     lateral_step: float
     roll_start: float
     roll_step: float
-    ellipse: NDArray[np.float64]
+    ellipse: Matrix
     ratio_start: float
     ratio_step: float
     half_distance: float
@@ -174,38 +175,52 @@ def tabulate_patches(geometry: ContactGeometry) -> NDArray[np.float64]:
     lateral = first + step * np.arange(count)
     rolls = np.linspace(-ROLL_LIMIT, ROLL_LIMIT, _ROLL_STEPS + 1)
     table = np.empty((2, rolls.size, _LATERAL_STEPS + 1, COLUMN_COUNT))
+    found = np.empty((2, _LATERAL_STEPS + 1), dtype=np.int64)
+    patches = np.empty((2, _LATERAL_STEPS + 1, COLUMN_COUNT))
     for row, roll in enumerate(rolls):
         section = geometry.wheel.section(lateral, float(roll))
+        zone = np.stack([~section.flange, section.flange]).astype(np.int64)
         _fill_row(
             rail.height,
             rail.angle,
             rail.lateral,
             section.height,
             section.angle,
-            section.flange,
+            zone,
             step,
             geometry.reference_penetration,
-            table[:, row],
+            found,
+            patches,
         )
+        table[:, row] = patches
     return table
 
 
-@maker
-def _fill_row(rail_z, rail_angle, rail_y, wheel_z, wheel_angle, flange, spacing, depth, out):
-    """Fill ``out`` (2, shifts, columns) for one roll angle."""
+@core.entry
+def _fill_row(
+    rail_z: Vector,
+    rail_angle: Vector,
+    rail_y: Vector,
+    wheel_z: Vector,
+    wheel_angle: Vector,
+    zone: IndexMatrix,
+    spacing: float,
+    depth: float,
+    found: IndexMatrix,
+    out: Array3,
+) -> None:
+    """Write ``out`` (2, shifts, columns), and where there are patches, for one roll angle."""
     shifts, count = out.shape[1], rail_z.size
-    found, zone = np.zeros((2, shifts), np.bool_), np.zeros((2, flange.size), np.bool_)
-    for i in range(flange.size):
-        zone[0, i], zone[1, i] = not flange[i], flange[i]
     for shift in range(shifts):
         # A wheel shifted outwards meets the rail with points nearer to its flange.
         first = shifts - 1 - shift
         z, angle = wheel_z[first : first + count], wheel_angle[first : first + count]
         for patch in range(2):
             inside = zone[patch, first : first + count]
-            found[patch, shift] = overlap_patch(
+            is_found = overlap_patch(
                 rail_z, rail_angle, rail_y, z, angle, inside, spacing, depth, out[patch, shift]
             )
+            found[patch, shift] = 1 if is_found else 0
     for patch in range(2):
         _continue_ends(found[patch], out[patch])
 
@@ -215,14 +230,14 @@ def _continue_ends(found, out):
     """Where profiles are beside each other, repeat the nearest patch: it never touches."""
     count = found.size
     for shift in range(count):
-        if found[shift]:
+        if found[shift] != 0:
             continue
         near = -1
         for reach in range(1, count):
-            if shift >= reach and found[shift - reach]:
+            if shift >= reach and found[shift - reach] != 0:
                 near = shift - reach
                 break
-            if shift + reach < count and found[shift + reach]:
+            if shift + reach < count and found[shift + reach] != 0:
                 near = shift + reach
                 break
         for column in range(out.shape[1]):

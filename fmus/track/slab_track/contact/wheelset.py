@@ -20,10 +20,11 @@ the foot of the perpendicular is found by one step along the tangent.
 """
 
 import math
+from typing import NamedTuple
 
-from rail_quantities.uncounted import flat, on_stack
+import numpy as np
+from rail_native import Array3, Array4, Matrix, Vector, kernel
 
-from slab_track.compiled import entry, kernel
 from slab_track.contact.creepage import (
     RAIL_ROLL,
     RAIL_Y,
@@ -34,8 +35,10 @@ from slab_track.contact.creepage import (
     Z,
     creepages,
 )
-from slab_track.contact.fastsim import creep_forces, fastsim_grid
-from slab_track.contact.tables import lookup_ellipse, lookup_patch
+from slab_track.contact.fastsim import STRIP_WORK, FastsimGrid, creep_forces
+from slab_track.contact.tables import ContactTables, lookup_ellipse, lookup_patch
+from slab_track.core import core
+from slab_track.kernels.arrays import set_zero
 
 (
     PENETRATION,
@@ -79,22 +82,57 @@ FORCED = 10
 _FAR = -1e-3
 
 
-@kernel
-def clear(array):
-    """Fill a contiguous array with zeros."""
-    row = flat(array)
-    for i in range(row.size):
-        row[i] = 0.0
+class ContactWork(NamedTuple):
+    """What the contact computes on its way.
+
+    Attributes
+    ----------
+    patch, ellipse
+        Interpolated columns of the tables, (6,).
+    strips
+        Of FASTSIM, (STRIP_WORK,).
+    direction
+        Force on the rail's axis per unit force on a patch, (3,).
+    offset
+        Lateral and vertical irregularity of a rail, (2,), m.
+    rail_free
+        Motion of a rail's axis without the wheel's own force, (6,).
+    wheelset
+        Force and moment of a wheel on the wheelset, (6,).
+    last_creep, last_change
+        Creep forces of the patches and their changes in the round before, (2,), N.
+    other_force
+        Forces of the other wheels that a sweep counts with, (w, 2, 3).
+    """
+
+    patch: Vector
+    ellipse: Vector
+    strips: Vector
+    direction: Vector
+    offset: Vector
+    rail_free: Vector
+    wheelset: Vector
+    last_creep: Vector
+    last_change: Vector
+    other_force: Array3
+
+    @classmethod
+    def of(cls, wheelsets: int) -> "ContactWork":
+        """Return it for a number of wheelsets."""
+        sizes = (6, 6, STRIP_WORK, 3, 2, 6, 6, 2, 2)
+        return cls(*(np.zeros(size) for size in sizes), other_force=np.zeros((wheelsets, 2, 3)))
 
 
 @kernel
-def locate_wheel(tables, side, motion, rail, offset, out):
+def locate_wheel(tables, work, side, motion, rail, offset, out):
     """Find the patches of one wheel.
 
     Parameters
     ----------
     tables
         :class:`slab_track.contact.tables.ContactTables`.
+    work
+        :class:`ContactWork`.
     side
         -1.0 for the left, 1.0 for the right wheel.
     motion
@@ -125,11 +163,10 @@ def locate_wheel(tables, side, motion, rail, offset, out):
     shift = cosine * from_y + sine * from_z + tables.axis_y - b
     drop = cosine * from_z - sine * from_y + tables.axis_z
     inside = True
-    description = on_stack(6)
+    description = work.patch
     for patch in range(2):
-        inside &= _locate_patch(
-            tables, patch, shift, drop, roll - rail_roll, yaw, description, out[patch]
-        )
+        found = _locate_patch(tables, work, patch, shift, drop, roll - rail_roll, yaw, out[patch])
+        inside = inside and found
         if out[patch, PENETRATION] <= 0.0:
             continue
         # From the rail's frame to the track frame, then to the wheelset's centre.
@@ -148,8 +185,9 @@ def locate_wheel(tables, side, motion, rail, offset, out):
 
 
 @kernel
-def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
+def _locate_patch(tables, work, patch, shift, drop, roll, yaw, out):
     """Penetration, angle and elastic constants of a patch, in the rail's frame (right side)."""
+    description = work.patch
     out[PENETRATION] = -1.0
     inside = lookup_patch(tables, patch, shift, roll, 3, description)
     slope = description[1]
@@ -169,7 +207,7 @@ def _locate_patch(tables, patch, shift, drop, roll, yaw, description, out):
         return inside
     local = tables.wheel_radius + description[3] - drop
     curvature_a, curvature_b = 0.5 / (local * norm), description[4]
-    ellipse = on_stack(6)
+    ellipse = work.ellipse
     lookup_ellipse(tables, curvature_a, curvature_b, ellipse)
     mean_radius = 0.5 / math.sqrt(curvature_a * curvature_b)
     stiffness = tables.stiffness_override
@@ -190,7 +228,7 @@ def _yaw_protrusion(tables, shift, description, yaw):
     return 0.5 * yaw * yaw * slope * (tables.wheel_radius * slope + own)
 
 
-@entry
+@kernel
 def normal_force(stiffness, penetration):
     """Return Hertz's force (N) and its derivative by the penetration (N/m)."""
     if penetration <= 0.0:
@@ -200,7 +238,7 @@ def normal_force(stiffness, penetration):
 
 
 @kernel
-def patch_forces(tables, grid, motion, rail, row, normal, out):
+def patch_forces(tables, grid, work, motion, rail, row, normal, out):
     """Fill ``out`` (FORCED,) with the forces of one patch under a given normal force.
 
     Parameters
@@ -209,6 +247,8 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
         As for :func:`locate_wheel`.
     grid
         Of FASTSIM, see :func:`slab_track.contact.fastsim.fastsim_grid`.
+    work
+        :class:`ContactWork`.
     row
         The located patch, shape (LOCATED,).
     normal
@@ -216,7 +256,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     out
         Receives normal and creep forces, creepages and semi-axes.
     """
-    clear(out)
+    set_zero(out)
     if normal <= 0.0 or row[PENETRATION] <= 0.0:
         return
     xi, eta, phi, direction = creepages(
@@ -234,7 +274,7 @@ def patch_forces(tables, grid, motion, rail, row, normal, out):
     a, b = scale * root, scale / root
     # Rolling backwards: the patch turned by half a turn about its normal.
     t_x, t_s, moment, held = creep_forces(
-        grid, normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus,
+        grid, work.strips, normal, a, b, row[C11], row[C22], row[C23], tables.shear_modulus,
         tables.friction, direction * xi, direction * eta, phi,
     )  # fmt: skip
     out[NORMAL_FORCE] = normal
@@ -275,14 +315,27 @@ def add_resultants(row, force, wheelset, on_rail):
     on_rail[2] -= row[RAIL_ARM_Y] * f_z - row[RAIL_ARM_Z] * f_y
 
 
-@entry
-def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, located, forces):
+@core.entry
+def wheel_rail_contact(
+    tables: ContactTables,
+    grid: FastsimGrid,
+    work: ContactWork,
+    motion: Matrix,
+    rails: Array3,
+    offsets: Array3,
+    wheelsets: Matrix,
+    on_rails: Array3,
+    located: Array4,
+    forces: Array4,
+) -> bool:
     """Contact of all wheels at an instant.
 
     Parameters
     ----------
     tables
         :class:`slab_track.contact.tables.ContactTables`.
+    grid, work
+        As for :func:`patch_forces`.
     motion
         Wheelset motions, shape (n, 11).
     rails
@@ -294,24 +347,24 @@ def wheel_rail_contact(tables, motion, rails, offsets, wheelsets, on_rails, loca
     on_rails
         Receives force and roll moment on the rails, shape (n, 2, 3).
     located, forces
-        Receive the patches, shapes (n, 2, 2, LOCATED) and (n, 2, 2, FORCED).
+        Written: the patches, shapes (n, 2, 2, LOCATED) and (n, 2, 2, FORCED).
 
     Returns
     -------
     True if all relative positions are inside the tables.
     """
     inside = True
-    grid = fastsim_grid(tables.columns, tables.strips)
     for i in range(motion.shape[0]):
-        clear(wheelsets[i])
+        set_zero(wheelsets[i])
         for k in range(2):
-            clear(on_rails[i, k])
+            set_zero(on_rails[i, k])
             side = -1.0 if k == 0 else 1.0
             row = located[i, k]
-            inside &= locate_wheel(tables, side, motion[i], rails[i, k], offsets[i, k], row)
+            found = locate_wheel(tables, work, side, motion[i], rails[i, k], offsets[i, k], row)
+            inside = inside and found
             for patch in range(2):
                 normal, _ = normal_force(row[patch, STIFFNESS], row[patch, PENETRATION])
                 force = forces[i, k, patch]
-                patch_forces(tables, grid, motion[i], rails[i, k], row[patch], normal, force)
+                patch_forces(tables, grid, work, motion[i], rails[i, k], row[patch], normal, force)
                 add_resultants(row[patch], force, wheelsets[i], on_rails[i, k])
     return inside

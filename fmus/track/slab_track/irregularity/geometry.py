@@ -13,12 +13,12 @@ positive) and 1 lateral (right positive). The four kinds are
 
 import numpy as np
 from numpy.typing import ArrayLike
+from rail_native import kernel
 
-from slab_track.compiled import entry
 from slab_track.irregularity.spectra import FloatArray
 
 
-@entry
+@kernel
 def track_to_rails_in_place(values):
     """Turn (level, alignment, cross-level, gauge) into rails' values, one (2, 2) array."""
     level, alignment = values[0, 0], values[0, 1]

@@ -92,6 +92,7 @@ class Irregularity:
             filters=np.concatenate([band.kernels for band in bands] or [np.zeros((4, 0))], axis=1),
             kept_blocks=np.full(slots, EMPTY),
             kept_samples=np.zeros((slots, STORED, 4)),
+            noise=np.zeros(STORED + int(layout[:, 3].max(initial=1)) - 1),
             cosines=_cosines(parameters),
             knots=knots,
             knot_values=knot_values,

@@ -9,9 +9,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from rail_native import Array3, IndexMatrix, Indices, Matrix, Vector, kernel
 
-from slab_track.compiled import entry, kernel, maker
+from slab_track.core import core
 from slab_track.irregularity.geometry import track_to_rails_in_place
 from slab_track.irregularity.noise import stream_key, white
 
@@ -23,9 +23,6 @@ EMPTY = np.iinfo(np.int64).min
 """Number of the block in a slot that holds none."""
 FARTHEST = 1e12
 """Largest distance (m); beyond, the result is not a number."""
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 class IrregularityData(NamedTuple):
@@ -44,7 +41,9 @@ class IrregularityData(NamedTuple):
         Taps of all bands behind each other, shape (4 channels, taps), m.
     kept_blocks, kept_samples
         The kept blocks: their numbers, shape (slots,), and samples, shape
-        (slots, STORED, 4 channels). The only arrays that are written to.
+        (slots, STORED, 4 channels).
+    noise
+        Memory for the noise that a block is filtered from, shape (STORED + most taps - 1,).
     cosines
         Rows of position, length, depth, repeat distance, and weights on left
         vertical, left lateral, right vertical, right lateral, shape (cosines, 8).
@@ -56,18 +55,19 @@ class IrregularityData(NamedTuple):
     seed: int
     start: float
     ramp_length: float
-    inverse_spacing: Floats
-    layout: Integers
-    filters: Floats
-    kept_blocks: Integers
-    kept_samples: Floats
-    cosines: Floats
-    knots: Floats
-    knot_values: Floats
+    inverse_spacing: Vector
+    layout: IndexMatrix
+    filters: Matrix
+    kept_blocks: Indices
+    kept_samples: Array3
+    noise: Vector
+    cosines: Matrix
+    knots: Vector
+    knot_values: Array3
 
 
-@entry
-def evaluate_into(x, data, offsets, slopes):
+@core.entry
+def evaluate_into(x: Vector, data: IrregularityData, offsets: Array3, slopes: Array3) -> None:
     """Write the irregularity at the places ``x`` and its derivative along the line.
 
     Parameters
@@ -81,11 +81,11 @@ def evaluate_into(x, data, offsets, slopes):
     """
     for i in range(x.size):
         offset, slope = offsets[i], slopes[i]
-        offset[:] = 0.0
-        slope[:] = 0.0
+        _fill(offset, 0.0)
+        _fill(slope, 0.0)
         if not abs(x[i]) <= FARTHEST:
-            offset[:] = math.nan
-            slope[:] = math.nan
+            _fill(offset, math.nan)
+            _fill(slope, math.nan)
             continue
         if x[i] > data.start and (data.inverse_spacing.size > 0 or data.knots.size > 0):
             _add_random(x[i], data, offset, slope)
@@ -97,6 +97,13 @@ def evaluate_into(x, data, offsets, slopes):
 
 
 @kernel
+def _fill(pair, value):
+    for side in range(2):
+        for direction in range(2):
+            pair[side, direction] = value
+
+
+@kernel
 def _add_random(x, data, offset, slope):
     """Add the random level, alignment, cross-level and gauge."""
     for band in range(data.inverse_spacing.size):
@@ -104,11 +111,11 @@ def _add_random(x, data, offset, slope):
         position = x * scale
         cell = math.floor(position)
         t = position - cell
-        index = np.int64(cell)
+        index = int(cell)
         block = index >> 5  # 2**5 = BLOCK
         slot = data.layout[band, 0] + (block & (data.layout[band, 1] - 1))
         if data.kept_blocks[slot] != block:
-            _fill(band, block, slot, data)
+            _filter_block(band, block, slot, data)
         samples = data.kept_samples[slot]
         first = index & (BLOCK - 1)
         r = 1.0 - t
@@ -128,25 +135,34 @@ def _add_random(x, data, offset, slope):
             slope[row, column] += d0 * y0 + d1 * y1 + d2 * y2 + d3 * y3
 
 
-@maker
-def _fill(band, block, slot, data):
+@kernel
+def _filter_block(band, block, slot, data):
     """Filter the samples of a block: numbers BLOCK * block - 1 and on, into a slot."""
     first_tap, taps = data.layout[band, 2], data.layout[band, 3]
     first_number = BLOCK * block - 1 - (taps >> 1)
-    noise = np.empty(STORED + taps - 1)
-    total = np.empty(STORED)
     for channel in range(4):
         key = stream_key(data.seed, band, channel)
-        for i in range(noise.size):
-            noise[i] = white(key, first_number + i)
-        total[:] = 0.0
-        for tap in range(taps):
-            weight = data.filters[channel, first_tap + tap]
-            for i in range(STORED):
-                total[i] += weight * noise[i + tap]
+        for i in range(STORED + taps - 1):
+            data.noise[i] = white(key, first_number + i)
         for i in range(STORED):
-            data.kept_samples[slot, i, channel] = total[i]
+            total = 0.0
+            for tap in range(taps):
+                total += data.filters[channel, first_tap + tap] * data.noise[i + tap]
+            data.kept_samples[slot, i, channel] = total
     data.kept_blocks[slot] = block
+
+
+@kernel
+def _interval(knots, x):
+    """Return the last knot at or before ``x``, which is not before the first one."""
+    low, high = 0, knots.size
+    while high - low > 1:
+        middle = (low + high) // 2
+        if knots[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
 
 
 @kernel
@@ -154,7 +170,7 @@ def _add_table(x, knots, knot_values, offset, slope):
     """Add the cubic Hermite interpolation of the user's file; zero beyond its knots."""
     if knots.size == 0 or not knots[0] <= x < knots[-1]:
         return
-    k = np.searchsorted(knots, x, side="right") - 1
+    k = _interval(knots, x)
     length = knots[k + 1] - knots[k]
     t = (x - knots[k]) / length
     r = 1.0 - t
@@ -195,7 +211,8 @@ def _fade_in(t, length, offset, slope):
 def _add_cosines(x, cosines, offset, slope):
     """Add the dips ``depth / 2 * (1 + cos(2 pi (x - position) / length))``."""
     for i in range(cosines.shape[0]):
-        position, length, depth, repeat = cosines[i, :4]
+        position, length = cosines[i, 0], cosines[i, 1]
+        depth, repeat = cosines[i, 2], cosines[i, 3]
         distance = x - position
         if repeat > 0.0 and distance > 0.5 * length:
             distance -= repeat * math.floor(distance / repeat + 0.5)

@@ -19,10 +19,10 @@ from slab_track.contact import (
     load_profile,
 )
 from slab_track.contact.hertz import axis_ratio, contact_modulus
+from slab_track.contact.solve import hertz_force
 from slab_track.frequency import hertz_stiffness
 from slab_track.presets import HD
 from slab_track.verification.kalker_table import POISSON_RATIOS, kalker_table
-from slab_track.wheels import hertz_force
 
 _SECTION = Section("Contact")
 _ZHAI = "eq. (1) of the article with G = {} m/N^(2/3) (Zhai), evaluated apart"

@@ -15,9 +15,8 @@ and the smaller quotient is taken: it never leads too far.
 
 import math
 
-from rail_quantities.uncounted import on_stack
+from rail_native import kernel
 
-from slab_track.compiled import entry, kernel
 from slab_track.contact.wheelset import (
     ANGLE,
     C22,
@@ -30,10 +29,11 @@ from slab_track.contact.wheelset import (
     SEMI_AXIS_B,
     STIFFNESS,
     add_resultants,
-    clear,
     locate_wheel,
     patch_forces,
 )
+from slab_track.core import core
+from slab_track.kernels.arrays import set_zero
 
 _TOLERANCE = 0.2
 """Largest error of a creep force by its own effect on the rail, N: 3e-6 of the static load."""
@@ -56,8 +56,8 @@ _SLOWEST = 0.1
 """Speed below which Kalker's slope stays, m/s."""
 
 
-@entry
-def hertz_force(penetration, hertz_constant):
+@core.entry
+def hertz_force(penetration: float, hertz_constant: float) -> float:
     """Eq. (1): normal force in N from the penetration in m, zero when separated."""
     if penetration <= 0.0:
         return 0.0
@@ -84,7 +84,7 @@ def implicit_penetration(gap, compliance, stiffness):
 
 
 @kernel
-def contact_forces(approach, same, cross, hertz_constant, wheels):
+def contact_forces(approach, same, cross, hertz_constant, force, located):
     """Solve the normal forces of all wheels, and their penetrations, those of their treads.
 
     ``approach`` (w, 2, 1 or more) has, first, the penetration that the wheels would have on rails
@@ -93,7 +93,7 @@ def contact_forces(approach, same, cross, hertz_constant, wheels):
     forces. Wheel by wheel the scalar law is solved exactly; sweeps
     account for the small compliance between different wheels.
     """
-    force, count = wheels.normal, approach.shape[0]
+    count = approach.shape[0]
     stiffness = hertz_constant**-1.5
     for _ in range(50):
         change = 0.0
@@ -107,7 +107,7 @@ def contact_forces(approach, same, cross, hertz_constant, wheels):
                 delta = implicit_penetration(gap, same[wheel, wheel], stiffness)
                 new = stiffness * delta * math.sqrt(delta) if delta > 0.0 else 0.0
                 change = max(change, abs(new - force[wheel, side, 0]))
-                force[wheel, side, 0], wheels.located[wheel, side, 0, 0] = new, delta
+                force[wheel, side, 0], located[wheel, side, 0, 0] = new, delta
         if change <= 1e-9:
             break
 
@@ -151,6 +151,7 @@ def _lateral_direction(row, out):
 def solve_wheel(
     tables,
     grid,
+    work,
     side,
     motion,
     free,
@@ -171,8 +172,8 @@ def solve_wheel(
     ----------
     tables
         :class:`slab_track.contact.tables.ContactTables`.
-    grid
-        Of FASTSIM.
+    grid, work
+        Of FASTSIM, and :class:`slab_track.contact.wheelset.ContactWork`.
     side
         -1.0 left, 1.0 right.
     motion
@@ -198,42 +199,42 @@ def solve_wheel(
     bool
         False if the wheel left the contact tables, or no solution was found.
     """
-    last_creep, last_change = on_stack(2), on_stack(2)
+    last_creep, last_change = work.last_creep, work.last_change
     last_creep[0] = last_creep[1] = last_change[0] = last_change[1] = 0.0
     for round_ in range(_ITERATIONS):
         rail_motion(free, compliance, mobility, force, rail)
-        inside = locate_wheel(tables, side, motion, rail, offset, located)
-        error = _solve_normal(compliance, located, force, normal, creep)
+        inside = locate_wheel(tables, work, side, motion, rail, offset, located)
+        error = _solve_normal(compliance, work.direction, located, force, normal, creep)
         y, roll = rail[0], rail[2]
         rail_motion(free, compliance, mobility, force, rail)
-        clear(wheelset)
-        clear(force)
+        set_zero(wheelset)
+        set_zero(force)
         for patch in range(2):
-            row, answer = located[patch], forces[patch]
-            patch_forces(tables, grid, motion, rail, row, normal[patch], answer)
+            row, found = located[patch], forces[patch]
+            patch_forces(tables, grid, work, motion, rail, row, normal[patch], found)
             if normal[patch] > 0.0:
-                change = answer[LATERAL_FORCE] - creep[patch]
-                damping = _damping(tables, motion, mobility, row, answer)
-                most, least = 1.0 / (1.0 + answer[HELD] * damping), 1.0 / (1.0 + damping)
+                change = found[LATERAL_FORCE] - creep[patch]
+                damping = _damping(tables, work.direction, motion, mobility, row, found)
+                most, least = 1.0 / (1.0 + found[HELD] * damping), 1.0 / (1.0 + damping)
                 part, unsure = least, most - least
                 if most < _NEARLY_LINEAR * least:
                     part, unsure = 0.5 * (most + least), 0.5 * unsure
-                apart, turn = creep[patch] - last_creep[patch], change - last_change[patch]
-                if round_ > 0 and -turn * apart * least > apart * apart:
+                apart, swing = creep[patch] - last_creep[patch], change - last_change[patch]
+                if round_ > 0 and -swing * apart * least > apart * apart:
                     # Steeper than Kalker's slope, as on a flange: the slope seen. FASTSIM's own
                     # force may jump by a per cent where a strip begins to slip earlier: then any
                     # value in the jump is true.
-                    part = -apart / turn
+                    part = -apart / swing
                     unsure = part if part * _STEEPEST < 1.0 else 1.0 - part
                 last_creep[patch], last_change[patch] = creep[patch], change
                 creep[patch] += part * change
                 error = max(error, unsure * abs(change))
-                answer[LATERAL_FORCE] = creep[patch]
+                found[LATERAL_FORCE] = creep[patch]
                 moved = abs(rail[0] - y) + abs(row[RAIL_ARM_Z] * (rail[2] - roll))
                 error = max(error, moved / _SHIFT * _TOLERANCE)
             else:
                 creep[patch] = 0.0
-            add_resultants(row, answer, wheelset, force)
+            add_resultants(row, found, wheelset, force)
         if error <= _tolerance(round_):
             return inside
     return False
@@ -242,18 +243,17 @@ def solve_wheel(
 @kernel
 def _tolerance(round_):
     """Error that ends the iteration, N: it grows where the creep force jumps to and fro."""
-    return min(_TOLERANCE * max(1.0, 1.25 ** (round_ - 12)), _LOOSEST)
+    return min(_TOLERANCE * max(1.0, 1.25 ** float(round_ - 12)), _LOOSEST)
 
 
 @kernel
-def _solve_normal(compliance, located, force, normal, creep):
+def _solve_normal(compliance, direction, located, force, normal, creep):
     """Solve Hertz's law along the normals of both patches, with the creep forces as they are.
 
     Replaces ``normal`` and ``force``. Returns how much the patches disturb each other, N.
     """
-    direction = on_stack(3)
     error, lost, touching = 0.0, 0.0, 0
-    clear(force)
+    set_zero(force)
     for patch in range(2):
         row = located[patch]
         before = normal[patch]
@@ -278,9 +278,8 @@ def _solve_normal(compliance, located, force, normal, creep):
 
 
 @kernel
-def _damping(tables, motion, mobility, row, force):
+def _damping(tables, direction, motion, mobility, row, force):
     """D c: fall of the lateral creep force by its own effect on the rail, by Kalker's slope."""
-    direction = on_stack(3)
     _lateral_direction(row, direction)
     speed = max(abs(motion[5]), _SLOWEST)
     slope = tables.shear_modulus * force[SEMI_AXIS_A] * force[SEMI_AXIS_B] * row[C22] / speed
