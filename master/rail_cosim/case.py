@@ -3,7 +3,7 @@
     [run]                # the options of `rail-cosim run`, by the same names
     speed = 170
     distance = 200
-    out = "winter.nc"    # paths are seen from the file
+    out = "winter.nc"    # paths are relative to the file
 
     [set]                # parameters, as after --set
     track.fastener.vertical_stiffness = 140e6
@@ -50,7 +50,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     -------
     dict
         Options by name, only those that the file has, in the units of :func:`rail_cosim.run`;
-        ``settings`` has the parameters by full name. Relative paths are seen from the file.
+        ``settings`` has the parameters by full name. Relative paths are relative to the file.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def _content(path: Path) -> dict[str, Any]:
 
 
 def _placed(name: str, value: Any, folder: Path) -> Any:
-    """Return an option of which a path is seen from ``folder``."""
+    """Return an option of which a path is relative to ``folder``."""
     if name in _paths() and isinstance(value, str):
         return folder / Path(value).expanduser()
     return located(value, folder)

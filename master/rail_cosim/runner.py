@@ -124,13 +124,13 @@ def run(
         Variables of the results, by names with the wildcards ``*`` and ``?``; empty for all.
         Time and ``distance`` are always there.
     plot
-        Picture of the run: ``.png``, ``.pdf`` or ``.svg``.
+        Plot of the run: ``.png``, ``.pdf`` or ``.svg``.
     animate
         Film of the run: ``.mp4`` or ``.gif``.
     slow_motion
-        Seconds of the film per second of the run.
+        Seconds of the animation per second of the run.
     exaggeration
-        Factor on vertical displacements in the film; a fitting one unless given.
+        Factor on vertical displacements in the animation; a fitting one unless given.
     resume
         Resume where a run with the same arguments and ``out`` was stopped.
     checkpoint_interval

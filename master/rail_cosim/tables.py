@@ -235,7 +235,7 @@ def benchmark_table(found: Benchmark) -> Table:
     for name, value in (found.track_microseconds_per_step or {}).items():
         table.add_row(f"  track alone: {name.replace('_', ' ')}", f"{value:.2f} us")
     if found.slide_share is not None:
-        table.add_row("slides, of all the time", f"{100 * found.slide_share:.2f} %")
+        table.add_row("window shifts, of all the time", f"{100 * found.slide_share:.2f} %")
     table.add_row("loading", f"{found.load:.2f} s")
     table.add_row("set-up", f"{found.setup:.2f} s")
     return table

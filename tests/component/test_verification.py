@@ -94,7 +94,7 @@ def test_report_of_the_real_fmus(fmus, tmp_path):
         "dominant frequency of the axle boxes, 200 km/h, pads 140 MN/m",
         "amplitude of axle-box acceleration 2, 300 km/h, pads 40 MN/m",
         "mean wheel force, 300 km/h, contact on profiles",
-        "disturbance by slides, 300 km/h, 25 m, % of the static load",
+        "disturbance by window shifts, 300 km/h, 25 m, % of the static load",
     ):
         assert f"<td>{name}</td>" in text
     assert len(re.findall(r'src="data:image/png;base64,', html)) == 5

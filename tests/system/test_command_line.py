@@ -40,7 +40,7 @@ def test_help_of_run_groups_its_options(fmus):
     groups = [line for line in text.splitlines() if re.fullmatch(r"[A-Z].*:", line)]
     assert "Motion:" in groups
     assert "Irregularity:" in groups
-    start, stop = text.index("Results:"), text.index("Pictures and animation:")
+    start, stop = text.index("Results:"), text.index("Plots and animation:")
     assert start < text.index("--out FILE") < text.index("--variables NAME") < stop
     assert text.count("--out FILE") == 1
 

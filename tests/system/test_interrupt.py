@@ -70,7 +70,7 @@ def test_ctrl_c_keeps_what_was_recorded(fmus, tmp_path):
     assert "Traceback" not in text
     assert "stopped by the user" in text
     assert "marked incomplete" in text
-    assert "--resume goes on from there" in text
+    assert "--resume resumes there" in text
     with xr.open_dataset(file, engine="h5netcdf") as data:
         about = data.attrs
         assert about["complete"] == 0

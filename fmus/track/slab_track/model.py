@@ -42,7 +42,7 @@ from slab_track.window import END_MARGIN, place_window
 
 
 class TrackModel:
-    """Two rails on slabs in a window that slides along with the wheelsets."""
+    """Two rails on slabs in a window that moves along with the wheelsets."""
 
     def __init__(self, parameters: TrackParameters) -> None:
         p = self.parameters = parameters

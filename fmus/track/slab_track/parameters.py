@@ -305,7 +305,7 @@ class Window(ParameterSet):
         -3.0,
         "m",
         "Shift of the vehicle in a window that follows it, from the middle towards the front end "
-        "(negative: more track ahead than behind); it moves the slides' instants",
+        "(negative: more track ahead than behind); it moves the instants of the window shifts",
         at_least=-50.0,
         at_most=50.0,
     )
@@ -323,17 +323,17 @@ class Window(ParameterSet):
         "How eq. (10) is solved: least_squares, eq. (11); projection, its limit for M to infinity, "
         "mass-weighted; constrained, least squares that keep deflection, velocity and acceleration "
         "of the rails under the wheels exactly; triangular (as many samples as "
-        "modes; it diverges within a few slides and is there to show that)",
+        "modes; it diverges within a few window shifts and is there to show that)",
         choices=("least_squares", "projection", "constrained", "triangular"),
     )
     slide_pitches: int = quantity(
-        1, "1", "Slab pitches that the window moves on in one slide", at_least=1, at_most=10
+        1, "1", "Slab pitches of one window shift", at_least=1, at_most=10
     )
     rear_taper: float = quantity(
         0.0,
         "m",
-        "Length at the rear end of the window over which a slide lets the rails' motion fall "
-        "smoothly to nothing; 0: none",
+        "Rear transition: length at the rear end of the window over which a window shift lets the "
+        "rails' motion fall smoothly to nothing; 0: none",
         at_least=0.0,
         at_most=50.0,
     )
@@ -424,7 +424,7 @@ class TrackParameters(ParameterSet):
 
     @property
     def slide_length(self) -> float:
-        """Way of the window in one slide, m."""
+        """Distance of one window shift, m."""
         return self.window.slide_pitches * self.pitch
 
     @property
@@ -458,7 +458,7 @@ class TrackParameters(ParameterSet):
 
     @property
     def sample_count(self) -> int:
-        """Sample points M of the slide."""
+        """Sample points M of the window shift."""
         count = self.rail_mode_count
         if self.window.slide_solver == "triangular":
             return self.window.sample_count or count

@@ -35,7 +35,7 @@ _RUN_SETTINGS = ("initial_position", "interface", "wheelset_count", "static_whee
 
 
 class TrackSlave(RailSlave):
-    """Two rails on slabs in a window that slides along with the wheelsets."""
+    """Two rails on slabs in a window that moves along with the wheelsets."""
 
     MODEL_NAME = "InfiniteSlabTrack"
     CHECKS_OUTPUTS = True

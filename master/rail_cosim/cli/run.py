@@ -178,9 +178,9 @@ def run(
     plot: Annotated[
         Path | None,
         typer.Option(
-            help="Picture: .png, .pdf or .svg.",
+            help="Plot: .png, .pdf or .svg.",
             metavar="FILE",
-            rich_help_panel="Pictures and animation",
+            rich_help_panel="Plots and animation",
         ),
     ] = None,
     animate: Annotated[
@@ -188,7 +188,7 @@ def run(
         typer.Option(
             help="Animation of vehicle, rails, slabs and window: .mp4 or .gif.",
             metavar="FILE",
-            rich_help_panel="Pictures and animation",
+            rich_help_panel="Plots and animation",
         ),
     ] = None,
     slow_motion: Annotated[
@@ -196,7 +196,7 @@ def run(
         typer.Option(
             help="Seconds of the animation per second of the run.",
             metavar="TIMES",
-            rich_help_panel="Pictures and animation",
+            rich_help_panel="Plots and animation",
         ),
     ] = 50.0,
     exaggeration: Annotated[
@@ -205,7 +205,7 @@ def run(
             help="Of vertical displacements in the animation; none: so that the rails' largest is "
             "well seen.",
             metavar="TIMES",
-            rich_help_panel="Pictures and animation",
+            rich_help_panel="Plots and animation",
         ),
     ] = None,
     resume: Annotated[
@@ -243,11 +243,11 @@ def run(
     wins. All in SI units but --speed.
 
     CASE.toml has options by their names below [run] and parameters below [set], as the
-    specification of a sweep has; its paths are seen from its folder. What is on the
+    specification of a sweep has; its paths are relative to it. What is on the
     command line wins.
 
     Ctrl-C ends the run after its step; what was recorded is written and marked
-    incomplete, and the same command with --resume goes on from there.
+    incomplete, and the same command with --resume resumes there.
     """
     values = given(
         context,
@@ -336,4 +336,4 @@ def _kept(out: Path | None, error: RunError) -> None:
     if out is not None:
         remark(f"what was recorded is in {out}, marked incomplete")
         if isinstance(error, RunInterrupted) and checkpoint_path(out).exists():
-            remark("the same command with --resume goes on from there")
+            remark("the same command with --resume resumes there")

@@ -95,7 +95,7 @@ def study(
     fig07, fig08, fig09, fig11, fig12, fig13, fig14, fig15, fig16, fig17, fig18,
     table3: the article's figure or table, with its own settings and with the
     converged defaults, and what its text says of it as checks. All runs are kept
-    in the folder points: after a stop the same command goes on where it was.
+    in the folder points: after a stop the same command resumes.
 
     all: every study, one after the other; one that fails does not end it, but
     then the exit status is 1. Ctrl-C does.

@@ -65,14 +65,14 @@ def sweep(
     plot: Annotated[
         Path | None,
         typer.Option(
-            help="Picture of a sweep over one or two axes: .png, .pdf or .svg.", metavar="FILE"
+            help="Plot of a sweep over one or two axes: .png, .pdf or .svg.", metavar="FILE"
         ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Run many points of any parameters and write one labelled data set.
 
-    Each finished point is kept at once: after a stop the same command goes on
+    Each finished point is kept at once: after a stop the same command resumes
     where it was. A point that fails is in the result with the reason.
 
     SPEC has [grid] with axes (options of run, or parameters), or single
@@ -104,7 +104,7 @@ def sweep(
                 )
         except KeyboardInterrupt:
             kept = store or store_of(out)
-            remark(f"finished points are in {kept}: the same command goes on where it was")
+            remark(f"finished points are in {kept}: the same command resumes")
             raise
         show(sweep_table(dataset))
         for path in (out, plot):

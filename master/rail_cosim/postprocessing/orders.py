@@ -58,7 +58,7 @@ def over_distance(
         raise ParameterError("distance", float(np.diff(way).min()), "must grow at every record")
     slack = 1e-6 * (way[-1] - way[0]) + 1e-9
     if start < way[0] - slack or stop > way[-1] + slack or not stop > start:
-        limit = f"must lie within the way, {way[0]:g} m to {way[-1]:g} m"
+        limit = f"must lie within the distance travelled, {way[0]:g} m to {way[-1]:g} m"
         raise ParameterError("start, stop", (start, stop), limit)
     count = max(1, math.ceil((stop - start) / step * (1.0 - 1e-9)))
     places = start + (stop - start) / count * np.arange(count)

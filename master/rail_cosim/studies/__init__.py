@@ -31,8 +31,8 @@ STUDIES = {
     "slide": "disturbance of the wheel forces by the slides, over the ways of sliding",
     "convergence": "error over the number of rail and slab modes, with and without residual",
     "table1": "Table 1: moving mass, moving irregularity, sliding window and ring, measured",
-    "fig05": "Fig. 5: rail before and after a slide, triangular solve and least squares",
-    "fig06": "Fig. 6: rail joint at the instant of a slide, sliding window and moving mass",
+    "fig05": "Fig. 5: rail before and after a window shift, triangular solve and least squares",
+    "fig06": "Fig. 6: rail joint at the instant of a window shift, sliding window and moving mass",
     "receptance": "receptance of the rail heads from 2 Hz to 2 kHz",
     "p2": "P2 resonance over pad stiffness: the article's formula and coupled eigenfrequencies",
     "fig10": "Fig. 10: shape of the coupled P2 mode",
@@ -46,7 +46,7 @@ STUDIES = {
     "fig07": "random irregularity: sliding window and moving irregularity",
     "fig16": "deflection of the primary suspension, and its spectrogram while speeding up",
     "fig17": "wheel force and axle-box acceleration over slab joints",
-    "fig18": "slab passing over speed and stiffness of the mortar layer",
+    "fig18": "slab passing over speed and stiffness of the CAM layer",
     "fig12": "axle-box acceleration at 200 km/h with winter pads",
 }
 """What there is, by name; the module of ``some-name`` is ``some_name``."""

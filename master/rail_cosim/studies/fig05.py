@@ -31,7 +31,7 @@ WAYS = {
     LEAST_SQUARES: "least squares",
     "middle": "triangular, middle of equal segments",
     "hinges": "triangular, from hinge to hinge",
-    "end_left_out": "triangular, end left out",
+    "end_left_out": "triangular, end without samples",
 }
 """Ways to solve eq. (10), as the track computes them."""
 
@@ -95,8 +95,8 @@ def diverges(dataset: xr.Dataset) -> xr.DataArray:
 
 def report(dataset: xr.Dataset) -> tuple[Table, str]:
     """Return the table and the conclusion."""
-    table = Table(title="Rail at a slide", title_justify="left", title_style="")
-    heads = ("way to solve (10)", "condition:\ndeflection;\nrotation")
+    table = Table(title="Rail at a window shift", title_justify="left", title_style="")
+    heads = ("solution of (10)", "condition:\ndeflection;\nrotation")
     jumps = ("z jumps,\nmm", "its acc.,\nm/s2", "force,\nN")
     for head in (*heads, *jumps, "diverges"):
         table.add_column(head, justify="left" if head == heads[0] else "right")

@@ -91,7 +91,7 @@ def as_dataset(
         },
         coords={
             "model": list(forces),
-            "distance": ("distance", way, {"units": "m", "long_name": "way"}),
+            "distance": ("distance", way, {"units": "m", "long_name": "distance travelled"}),
         },
         attrs={
             "study": "fig06",
@@ -104,7 +104,7 @@ def as_dataset(
 
 def report(dataset: xr.Dataset) -> tuple[Table, str]:
     """Return the table and the conclusion."""
-    table = Table(title="Rail joint at a slide", title_justify="left", title_style="")
+    table = Table(title="Rail joint at a window shift", title_justify="left", title_style="")
     for head in ("model", "peak, kN", "peak, % off", "history, % of load", ""):
         table.add_column(head, justify="left" if head == "model" else "right")
     load = dataset.attrs["static_wheel_load"]

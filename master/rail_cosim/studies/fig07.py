@@ -114,7 +114,7 @@ def draw(data: xr.Dataset, path: Path) -> None:
             _, way, force = signal(one, method)
             last = way >= way[-1] - _SHOWN
             axes.plot(way[last], force[last] / 1e3, style, color=colour, lw=1.0, label=label)
-        axes.set_xlabel("way (m)")
+        axes.set_xlabel("distance travelled (m)")
         axes.set_ylabel("wheel force (kN)")
 
     def frequency(axes: Axes, one: xr.Dataset) -> None:

@@ -177,7 +177,7 @@ def draw(data: xr.Dataset, path: Path) -> None:
             shown = way <= _SHOWN
             label = f"{damping / 1e3:g} kN·s/m at 180 km/h"
             axes.plot(way[shown], force[shown] / 1e3, color=colour, lw=1.2, label=label)
-        axes.set_xlabel("way (m)")
+        axes.set_xlabel("distance travelled (m)")
         axes.set_ylabel("wheel force (kN)")
 
     def accelerations(axes: Axes, one: xr.Dataset) -> None:

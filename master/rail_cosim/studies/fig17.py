@@ -25,7 +25,7 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
     """Do the study; the article does not print the speed: here that of Fig. 16."""
     study = article.ArticleStudy(
         name="fig17",
-        title="Fig. 17: slab joints at 350 km/h, ZX line; mortar layer of 300 and 3000 MN/m",
+        title="Fig. 17: slab joints at 350 km/h, ZX line; CAM layer of 300 and 3000 MN/m",
         grid={BASIS: list(BASES), CAM: [_SOFT, _HARD], "speed": [_SPEED]},
         settings=ZX,
         run={} if options.quick else {"distance": 200.0},
@@ -151,7 +151,7 @@ def draw(data: xr.Dataset, path: Path) -> None:
                 axes.plot(way, values / unit, color=colour, lw=1.1, label=label)
             for joint in range(3):
                 axes.axvline(joint * PITCH, color="0.6", ls=":", lw=0.8)
-            axes.set_xlabel("way (m); dotted: slab joints")
+            axes.set_xlabel("distance travelled (m); dotted: slab joints")
             axes.set_ylabel(words)
 
         return panel

@@ -1,4 +1,4 @@
-"""Fig. 18 of the article: slab passing over speed and stiffness of the mortar layer."""
+"""Fig. 18 of the article: slab passing over speed and stiffness of the CAM layer."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def run(options: StudyOptions, reporter: Reporter) -> StudyResult:
     """Do the study; the article prints neither speeds nor stiffnesses of its curves."""
     study = article.ArticleStudy(
         name="fig18",
-        title="Fig. 18: axle-box acceleration on the ZX line over speed and mortar layer",
+        title="Fig. 18: axle-box acceleration on the ZX line over speed and CAM layer",
         grid={
             BASIS: list(BASES),
             CAM: [_ALL[0], _ALL[2], _ALL[3]] if options.quick else _ALL,

@@ -163,7 +163,7 @@ def as_dataset(found: dict[str, xr.DataArray], load: float, options: StudyOption
         },
         coords={
             "variant": list(found),
-            "distance": ("distance", way, {"units": "m", "long_name": "way"}),
+            "distance": ("distance", way, {"units": "m", "long_name": "distance travelled"}),
         },
         attrs={"study": "slide", "static_wheel_load": load, "command": options.command},
     )
@@ -178,9 +178,9 @@ def passes(name: str, largest: float, load: float) -> str:
 
 def as_table(found: dict[str, xr.DataArray], load: float) -> Table:
     """Return the largest differences as a table."""
-    table = Table(title="Disturbance by the slides", title_justify="left", title_style="")
-    for head in ("way of sliding", "largest, N", "% of load", "limit, %", ""):
-        table.add_column(head, justify="left" if head == "way of sliding" else "right")
+    table = Table(title="Disturbance by the window shifts", title_justify="left", title_style="")
+    for head in ("window shift", "largest, N", "% of load", "limit, %", ""):
+        table.add_column(head, justify="left" if head == "window shift" else "right")
     for name, one in found.items():
         largest = float(one.max())
         limit = f"{100 * LIMITS[name]:g}" if name in LIMITS else ""
@@ -199,7 +199,7 @@ def conclude(found: dict[str, xr.DataArray], load: float) -> str:
     verdicts = [passes(name, float(one.max()), load) for name, one in found.items()]
     largest = float(found["default"].max())
     return (
-        f"slides change a wheel force by up to {largest:.2g} N, "
+        f"window shifts change a wheel force by up to {largest:.2g} N, "
         f"{100 * largest / load:.2g} % of the static load; "
         + ("a limit is passed: FAIL" if "FAIL" in verdicts else "all limits are kept: pass")
     )

@@ -39,7 +39,7 @@ def plot_slide(dataset: xr.Dataset, path: Path) -> None:
     for name in (n for n in _SHOWN if n in names):
         values = dataset["difference"].sel(variant=name).to_numpy()
         right.semilogy(way, values.clip(1e-3), lw=0.9, label=name)
-    right.set_xlabel("way (m)")
+    right.set_xlabel("distance travelled (m)")
     right.set_ylabel("largest difference of a wheel force (N)")
     right.legend(frameon=False, fontsize=8)
     for axis in (left, right):
@@ -70,7 +70,7 @@ def plot_joint(dataset: xr.Dataset, path: Path) -> None:
             lower.semilogy(
                 way, envelope.clip(1e-3), lw=2.0 if name == "sliding" else 1.1, label=label
             )
-    lower.set_xlabel("way of the leading wheelset (m)")
+    lower.set_xlabel("distance travelled by the leading wheelset (m)")
     lower.set_ylabel("largest difference of any wheel from\nthe moving mass within 0.3 m (N)")
     lower.legend(frameon=False)
     for axis in (upper, lower):
@@ -95,7 +95,7 @@ def plot_fields(dataset: xr.Dataset, path: Path, labels: Mapping[str, str]) -> N
         for row, way in enumerate(ways):
             axis = axes[row, column]
             values = factor * dataset[field].sel(setting=setting, way=way).to_numpy()
-            axis.plot(place, values, color=_RED, lw=1.0, label="after the slide")
+            axis.plot(place, values, color=_RED, lw=1.0, label="after the shift")
             axis.plot(place, target, color=_BLUE, lw=0.8, label="before, moved")
             if bool(dataset["diverges"].sel(setting=setting, way=way)):
                 largest = np.nanmax(np.abs(values), initial=10.0 * linear)
@@ -107,6 +107,8 @@ def plot_fields(dataset: xr.Dataset, path: Path, labels: Mapping[str, str]) -> N
             axis.set_ylabel(f"{field} ({unit})", fontsize=8)
             axis.grid(**_GRID)
         axes[-1, column].set_xlabel("place in the window (m)")
-    figure.suptitle("rail before and after a slide; logarithmic where it diverges", fontsize=9)
+    figure.suptitle(
+        "rail before and after a window shift; logarithmic where it diverges", fontsize=9
+    )
     axes[0, 0].legend(frameon=False, fontsize=8, loc="center right")
     figure.savefig(path, dpi=_DPI)

@@ -212,8 +212,8 @@ def _figures(
     settled = off[ways[: len(off)] > _RANGE[0]]
     clean = off[(ways > _RANGE[0])[: len(off)] & (ways <= _RANGE[1])[: len(off)]]
     return {
-        "way": number(float(way[-1]), "m", "way covered"),
-        "ended": number(int(one.ended), "1", "1: the run ended before the whole way"),
+        "way": number(float(way[-1]), "m", "distance travelled"),
+        "ended": number(int(one.ended), "1", "1: the run ended before the whole distance"),
         "sleeper_amplitude": number(float(sleepers.mean()), "N", "at sleeper passing"),
         "slab_amplitude": number(float(slabs.mean()), "N", "at slab passing"),
         "difference": number(float(clean.max()), "N", "largest, third slab, from sliding"),

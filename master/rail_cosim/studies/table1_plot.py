@@ -39,7 +39,7 @@ def plot_models(dataset: xr.Dataset, path: Path, words: Mapping[str, str]) -> No
     upper.set_ylabel("force, leading left wheel (kN)")
     lower.set_ylabel("largest difference of any\nwheel from sliding (N)")
     for axes in (upper, lower):
-        axes.set_xlabel("way of the leading wheelset (m)")
+        axes.set_xlabel("distance travelled by the leading wheelset (m)")
         axes.grid(**_GRID)
         axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8)
     figure.savefig(path, dpi=_DPI)

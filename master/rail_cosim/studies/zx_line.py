@@ -19,7 +19,7 @@ ZX: dict[str, Value] = {
 
 CAM, BASIS = "track.slab_support.vertical_stiffness", "track.slab_support.basis"
 BASES = {"per_bay": "per bay", "per_slab": "per slab"}
-"""The article does not say to what its stiffness of the mortar layer belongs. Per bay gives its
+"""The article does not say to what its stiffness of the CAM layer belongs. Per bay gives its
 Table 3, per slab the depth of the dips at the joints."""
 
 

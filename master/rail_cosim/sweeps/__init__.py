@@ -95,7 +95,7 @@ def sweep(
         Folder of the finished points; ``None`` for ``out`` with the ending ``.points``,
         without ``out`` a folder in the user's cache.
     plot
-        Picture of a sweep over one or two axes (:func:`rail_cosim.plot_sweep`).
+        Plot of a sweep over one or two axes (:func:`rail_cosim.plot_sweep`).
     reporter
         Told of stages, progress and warnings.
 

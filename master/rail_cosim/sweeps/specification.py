@@ -201,7 +201,7 @@ def read_specification(path: Path) -> SweepSpecification:
     ``{start = 80, stop = 400, step = 5}`` with both ends), ``[[points]]`` single points
     instead, ``[keep]`` statistics by variable, ``[window]`` ``from``, ``to`` or ``last_slabs``,
     ``[history]`` ``variables`` and ``every``.
-    Relative paths are seen from the file.
+    Relative paths are relative to the file.
 
     Raises
     ------

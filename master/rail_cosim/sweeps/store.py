@@ -1,4 +1,4 @@
-"""Finished points on disk: a file each, so that a sweep that was stopped goes on."""
+"""Finished points on disk: a file each, so that a sweep that was stopped resumes."""
 
 from __future__ import annotations
 

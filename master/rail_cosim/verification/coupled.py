@@ -41,7 +41,7 @@ _ARTICLE = "the article, Figs. 8 and 9: sleeper-passing frequency, whole Hz"
 _WEIGHT = "static load: (44039 + 2 x 2439 + 4 x 1881) kg x 9.81 m/s2 / 8, Table 2 of the article"
 _FURTHEST = "the wheel furthest from it"
 _OTHER_SPRING = "the model has eq. (1) on a level tread: another Hertz spring, no rail roll"
-_UNDISTURBED = "an endless line has no slides; limit: 0.01 % of the static load"
+_UNDISTURBED = "an endless line has no window shifts; limit: 0.01 % of the static load"
 _FIG_6 = (
     "moving mass in a window of 39 slabs, same run; the article's Fig. 6 has 0.01 % between them"
 )
@@ -99,7 +99,7 @@ def coupled_values(reporter: Reporter, *, full: bool = False) -> Values:
     values += Values(rows=[], curves=amplitude_curves(chosen, values))
     reporter.stage("verifying the contact on profiles")
     values += Values(rows=profile_rows(reporter))
-    reporter.stage("verifying slides")
+    reporter.stage("verifying window shifts")
     values += slide_values(reporter, _LONG if full else _SHORT)
     if full:
         values += Values(rows=joint_rows(reporter))
@@ -221,12 +221,12 @@ def slide_values(reporter: Reporter, distance: float) -> Values:
     ]
     first, second = (one[FORCE].to_numpy() for one in runs)
     difference = 0.1 / _LOAD * np.abs(first - second).max(axis=(1, 2))  # % of the static load
-    name = f"disturbance by slides, 300 km/h, {distance:g} m, % of the static load"
+    name = f"disturbance by window shifts, 300 km/h, {distance:g} m, % of the static load"
     row = _row(name, "%", 0.0, 0.01, float(difference.max()), _UNDISTURBED, relative=False)
     curve = Curve(
-        plot="Disturbance of the wheel forces by slides, 300 km/h",
-        label="two runs that slide at different places",
-        x_label="way (m)",
+        plot="Disturbance of the wheel forces by window shifts, 300 km/h",
+        label="two runs that shift the window at different places",
+        x_label="distance travelled (m)",
         y_label="largest difference (% of the static load)",
         x=runs[0]["distance"].to_numpy().tolist(),
         y=difference.tolist(),
