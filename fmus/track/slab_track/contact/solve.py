@@ -89,9 +89,9 @@ def contact_forces(approach, same, cross, hertz_constant, force, located):
 
     ``approach`` (w, 2, 1 or more) has, first, the penetration that the wheels would have on rails
     free of wheel forces; ``same`` and ``cross`` as in
-    :class:`slab_track.interaction.Interaction`; ``wheels`` holds first guesses, and receives the
-    forces. Wheel by wheel the scalar law is solved exactly; sweeps
-    account for the small compliance between different wheels.
+    :class:`slab_track.contact.interaction.Interaction`; ``force`` (w, 2, 2) holds first guesses and
+    receives the forces, ``located`` (w, 2, 2, LOCATED) the penetrations. Wheel by wheel the scalar
+    law is solved exactly; sweeps account for the small compliance between different wheels.
     """
     count = approach.shape[0]
     stiffness = hertz_constant**-1.5
