@@ -30,9 +30,9 @@ $(CORES): $(STAMP) $(shell find fmus master -name '*.py' -path '*kernel*' -o -na
 
 # Only the tests need these.
 $(TOOLS): $(STAMP)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[tools]' || \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[tools]' || \
 	  echo "The tools of others could not be installed: tests/tools will be skipped." >&2
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[browser,docs]' || \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[browser,docs]' || \
 	  echo "The browser's driver could not be installed: tests/browser will be skipped." >&2
 	@touch $@
 
@@ -53,12 +53,12 @@ soak: $(STAMP)
 
 # Deliberate faults in a copy of the sources: the tests must notice them. At most an hour.
 mutations: $(STAMP)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[mutations]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[mutations]'
 	$(BIN)/python tests/mutations/check.py
 
 # A minute for each reader of files and bytes from elsewhere.
 fuzz: $(STAMP)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]' || \
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[fuzz]' || \
 	  echo "atheris could not be installed." >&2
 	$(BIN)/python tests/fuzz/run.py
 
@@ -72,7 +72,7 @@ build: $(STAMP)
 	$(BIN)/rail-cosim build --out build
 
 $(DOCS): $(STAMP)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --editable '.[docs]'
 	@touch $@
 
 # Any warning, such as a broken link, is an error.

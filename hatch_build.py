@@ -1,7 +1,5 @@
 """Compiles the cores of the FMUs when a wheel or an editable install is made."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -16,20 +14,23 @@ class CompileCores(BuildHookInterface):
 
     def dependencies(self) -> list[str]:
         """Return a C compiler's package where the system has none."""
-        sys.path.insert(0, str(Path(self.root, SOURCES[0])))
+        self._find_sources()
         from rail_native.compiler import has_linker
 
         return [] if has_linker() else ["ziglang"]
 
     def initialize(self, version: str, build_data: dict) -> None:
         """Run the compiler before files are collected."""
-        # The isolated environment of a build is in this process's path only.
-        paths = [*(str(Path(self.root, folder)) for folder in SOURCES), *filter(None, sys.path)]
-        subprocess.run(
-            [sys.executable, "-m", "rail_native", *PACKAGES],
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
-            check=True,
-        )
+        self._find_sources()
+        from rail_native.__main__ import make
+
+        for package in PACKAGES:
+            make(package)
         build_data["pure_python"] = False
         build_data["infer_tag"] = True
         build_data["artifacts"] += ["fmus/*/*/native/*", "master/*/native/*"]
+
+    def _find_sources(self) -> None:
+        for folder in SOURCES:
+            if (path := str(Path(self.root, folder))) not in sys.path:
+                sys.path.insert(0, path)

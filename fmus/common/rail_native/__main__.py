@@ -18,6 +18,13 @@ _ENVIRONMENT = {
 }
 
 
+# The path as it is here: an isolated build's is not that of a new process.
+_CHILD = """import sys
+sys.path[:] = sys.argv[2:]
+from rail_native.__main__ import compile_here
+compile_here(sys.argv[1])"""
+
+
 def core_of(package: str) -> Library:
     """Return the core of a package: ``core`` in its module ``core``."""
     return importlib.import_module(f"{package}.core").core
@@ -35,7 +42,7 @@ def make(package: str) -> bool:
     if is_fresh(core):
         return False
     done = subprocess.run(
-        [sys.executable, "-m", "rail_native", "--compile", package],
+        [sys.executable, "-c", _CHILD, package, *sys.path],
         env=os.environ | _ENVIRONMENT,
         capture_output=True,
         text=True,
@@ -59,9 +66,6 @@ def compile_here(package: str) -> None:
 
 def main(arguments: list[str]) -> int:
     """Compile what is asked for; return the exit status."""
-    if arguments[:1] == ["--compile"]:
-        compile_here(arguments[1])
-        return 0
     if not arguments or arguments[0].startswith("-"):
         print("usage: python -m rail_native PACKAGE ...", file=sys.stderr)
         return 2

@@ -1,7 +1,8 @@
 r"""Harmonic response of the vertical track: one symmetry class at one complex frequency.
 
 With all quantities proportional to :math:`e^{st}`, the equations that the time step
-integrates (:mod:`slab_track.kernels.vertical`) become algebraic. Every mode answers a modal force with
+integrates (:mod:`slab_track.kernels.vertical`) become algebraic. The answer of a mode to a modal
+force is
 
 .. math:: w(s) = 1/(\omega^2 + c s + s^2),
 
