@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 from rail_vehicle.coupling import ForceHistory
-from rail_vehicle.kernels import force_curve
+from rail_vehicle.kernels import alternates, force_curve
+from rail_vehicle.step_limits import LARGEST_EXTRAPOLATION_ERROR
 
 
 class ForceMemory:
@@ -27,8 +28,12 @@ class ForceMemory:
         return ForceHistory.of_packed(self._packed)
 
     @property
-    def extrapolation_error(self) -> float:
-        return self.history.extrapolation_error
+    def extrapolation_errors(self) -> tuple[float, float]:
+        return self.history.extrapolation_errors
+
+    @property
+    def alternates(self) -> bool:
+        return bool(alternates(self._packed, LARGEST_EXTRAPOLATION_ERROR))
 
     def take(self, forces, elapsed, step, order, *, at_end):
         newest = np.ascontiguousarray(forces, dtype=float).ravel()

@@ -86,22 +86,36 @@ def test_coarse_steps_are_named_with_limit_and_remedy():
     assert "step_end" in jacobi.error(1e-3)
 
 
+N = np.arange(600)
+FORCES = {
+    "smooth": (np.sin(0.1 * N), False),
+    "one impact": (np.where(np.abs(N - 300) < 3, 5.0, 0.0), False),
+    "alternating": (0.2 * (-1.0) ** N, True),
+    "a wave of 4 steps": (0.2 * np.sin(2.0 * np.pi * N / 4.05 + 0.2), True),
+    "corrugation of 5 steps": (0.9 * np.sin(2.0 * np.pi * N / 5.0), False),
+    "too small": (0.005 * (-1.0) ** N, False),
+}
+
+
 @pytest.mark.parametrize("at_end", [False, True])
-def test_extrapolation_error_is_small_for_what_is_followed_and_large_for_what_turns(at_end):
-    """One impact among smooth forces stays far from the limit."""
-    found = {}
-    smooth = np.sin(0.1 * np.arange(600))
-    impact = smooth + np.where(np.abs(np.arange(600) - 300) < 3, 5.0, 0.0)
-    for name, forces in {
-        "smooth": smooth,
-        "impact": impact,
-        "turning": 0.2 * (-1.0) ** np.arange(600),
-    }.items():
-        memory, largest = ForceMemory(ForceHistory.begin(np.zeros((4, 6))), UNIT), 0.0
-        for force in forces:
-            memory.take(np.full(24, force), 1e-4, 1e-4, 2, at_end=at_end)
-            largest = max(largest, memory.extrapolation_error)
-        found[name] = largest
-    assert found["smooth"] < 0.01
-    assert found["impact"] < 0.5 * LARGEST_EXTRAPOLATION_ERROR
-    assert found["turning"] > 0.9
+@pytest.mark.parametrize("case", FORCES)
+def test_forces_that_turn_from_step_to_step_are_noticed_and_no_others(case, at_end):
+    forces, wanted = FORCES[case]
+    memory, found = ForceMemory(ForceHistory.begin(np.zeros((4, 6))), UNIT), False
+    for force in forces:
+        memory.take(np.full(24, force), 1e-4, 1e-4, 2, at_end=at_end)
+        found |= memory.alternates
+    assert found == wanted
+
+
+def test_extrapolation_errors_are_those_of_parabola_and_line():
+    """A wave of n steps: third and second difference."""
+    memory, n = ForceMemory(ForceHistory.begin(np.zeros((4, 6))), UNIT), 8
+    phases = 2.0 * np.pi * np.arange(4) / 4  # of the wheelsets, so that their sum is steady
+    for step in range(3000):
+        force = np.repeat(0.1 * np.sin(2.0 * np.pi * step / n + phases), 6)
+        memory.take(force, 1e-4, 1e-4, 2, at_end=True)
+    amplitude, difference = 0.1 * np.sqrt(6.0 / 2.0), 2.0 * np.sin(np.pi / n)
+    expected = amplitude * difference**3, amplitude * difference**2
+    assert memory.extrapolation_errors == pytest.approx(expected, rel=1e-4)
+    assert expected[0] < LARGEST_EXTRAPOLATION_ERROR

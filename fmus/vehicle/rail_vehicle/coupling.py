@@ -13,7 +13,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from rail_vehicle.kernels import EXTRAPOLATION_ERROR, HISTORY_COUNT
+from rail_vehicle.kernels import HISTORY_COUNT, PARABOLA_ERROR
 
 Array = NDArray[np.float64]
 
@@ -39,16 +39,16 @@ class ForceHistory:
         increasing from 0.
     forces
         The values, shape (n, 4, 6), N and N.m.
-    extrapolation_error
-        How far values are from the parabola through the three before each of them: root mean
-        square over the wheelsets in parts of a large force, at most 1 for each step; mean over some
-        :data:`rail_vehicle.kernels.MEMORY` steps. Forces that are followed are near 0, those that
-        turn from step to step near 1.
+    extrapolation_errors
+        How far values are from parabola and straight line through those before each of them: root
+        mean square over the wheelsets in parts of a large force, at most 1 for the parabola in a
+        step; averaged over some :data:`rail_vehicle.kernels.AVERAGING_STEPS` steps. Forces that are
+        followed are near 0, those that turn from step to step near 1.
     """
 
     ages: Array
     forces: Array
-    extrapolation_error: float = 0.0
+    extrapolation_errors: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
     def begin(cls, forces: Array) -> Self:
@@ -72,17 +72,16 @@ class ForceHistory:
         count, packed = self.ages.size, np.zeros(HISTORY_COUNT)
         packed[0], packed[1 : 1 + count] = count, self.ages
         packed[4 : 4 + self.forces.size] = self.forces.ravel()
-        packed[EXTRAPOLATION_ERROR] = self.extrapolation_error
+        packed[PARABOLA_ERROR:] = self.extrapolation_errors
         return packed
 
     @classmethod
     def of_packed(cls, packed: Array) -> Self:
         """Return the history of what :meth:`packed` gave: ``packed``, shape (HISTORY_COUNT,)."""
         count = int(packed[0])
-        forces = packed[4:EXTRAPOLATION_ERROR].reshape(3, -1, 6)
-        return cls(
-            packed[1 : 1 + count].copy(), forces[:count].copy(), float(packed[EXTRAPOLATION_ERROR])
-        )
+        forces = packed[4:PARABOLA_ERROR].reshape(3, -1, 6)
+        parabola, line = (float(error) for error in packed[PARABOLA_ERROR:])
+        return cls(packed[1 : 1 + count].copy(), forces[:count].copy(), (parabola, line))
 
     def extrapolate(self, step: float, order: int) -> ForcePolynomial:
         """Return the forces over a step of ``step`` (in s) from the newest value on.

@@ -261,18 +261,22 @@ def excess_momentum(constants, state, momentum):
 
 # Contact forces over a communication step (see :mod:`rail_vehicle.coupling`)
 
-HISTORY_COUNT = 5 + 3 * FORCE_COUNT
+HISTORY_COUNT = 6 + 3 * FORCE_COUNT
 """Length of a force history: how many values it holds, their ages (3), s, the values, newest first,
-and the extrapolation error (see :class:`rail_vehicle.coupling.ForceHistory`)."""
+and the extrapolation errors (see :class:`rail_vehicle.coupling.ForceHistory`)."""
 
-EXTRAPOLATION_ERROR = HISTORY_COUNT - 1
+PARABOLA_ERROR, LINE_ERROR = HISTORY_COUNT - 2, HISTORY_COUNT - 1
 
 LEAST_SPAN = 0.5
 """Shortest time from the start of a step back to a value that its polynomial uses, in parts of the
 step, as long as there are earlier ones."""
 
-MEMORY = 200
-"""Steps over which the extrapolation error is a mean."""
+AVERAGING_STEPS = 200
+"""Steps over which the extrapolation errors are averaged."""
+
+LARGEST_RATIO = 1.3
+"""Of the error of the parabola to that of the line. For a wave of ``n`` steps it is
+``2 sin(pi / n)``: 1.3 for 4.4. The waves of an unstable coupling have 4.05 or less."""
 
 _AGES, _VALUES = 1, 4
 
@@ -298,19 +302,29 @@ def take_force(history, newest, elapsed, duration, at_end, unit):
 
 @kernel
 def compare_force(history, newest, elapsed, unit):
-    """Add how far a value is from the parabola through those before to the extrapolation error."""
-    before, earlier, total = history[_AGES + 1], history[_AGES + 2], 0.0
+    """Add the distances of a value from parabola and line through those before to the errors."""
+    before, earlier, parabola, line = history[_AGES + 1], history[_AGES + 2], 0.0, 0.0
     for column in range(FORCE_COUNT):
         last = history[_VALUES + column]
         second = history[_VALUES + FORCE_COUNT + column]
         third = history[_VALUES + 2 * FORCE_COUNT + column]
         slope = (last - second) / before
         curvature = (slope - (second - third) / (earlier - before)) / earlier
-        expected = last + elapsed * (slope + (elapsed + before) * curvature)
-        miss = (newest[column] - expected) / unit[column]
-        total += miss * miss
-    size = min(1.0, math.sqrt(6.0 * total / FORCE_COUNT))
-    history[EXTRAPOLATION_ERROR] += (size - history[EXTRAPOLATION_ERROR]) / MEMORY
+        miss = (newest[column] - last - elapsed * slope) / unit[column]
+        line += miss * miss
+        miss -= elapsed * (elapsed + before) * curvature / unit[column]
+        parabola += miss * miss
+    parabola, line = math.sqrt(6.0 * parabola / FORCE_COUNT), math.sqrt(6.0 * line / FORCE_COUNT)
+    scale = 1.0 / max(1.0, parabola)
+    history[PARABOLA_ERROR] += (scale * parabola - history[PARABOLA_ERROR]) / AVERAGING_STEPS
+    history[LINE_ERROR] += (scale * line - history[LINE_ERROR]) / AVERAGING_STEPS
+
+
+@kernel
+def alternates(history, largest_error):
+    """Whether the values turn from step to step, so that no polynomial follows them."""
+    error = history[PARABOLA_ERROR]
+    return error > largest_error and error > LARGEST_RATIO * history[LINE_ERROR]
 
 
 @kernel
@@ -613,11 +627,11 @@ def coupled_step(
     order, at_end
         Degree of the forces over the step, and whether ``newest`` stands for its end.
     unit, largest_error
-        What counts as a large force or moment, (24,), N and N.m; the largest extrapolation
-        error.
+        What counts as a large force or moment, (24,), N and N.m; the largest error of the
+        parabola.
     """
     take_force(history, newest, timing[2], timing[0], at_end, unit)
-    if history[EXTRAPOLATION_ERROR] > largest_error:
+    if alternates(history, largest_error):
         return NOT_FOLLOWED
     force_over_step(history, timing[0], order, at_end, work.force)
     return step(operators, constants, work, vector, work.force, timing, count, new_vector, outputs)

@@ -184,7 +184,7 @@ class VehicleSlave(RailSlave):
             "vector": self._march.vector,
             "ages": history.ages,
             "forces": history.forces,
-            "extrapolation_error": history.extrapolation_error,
+            "extrapolation_errors": np.array(history.extrapolation_errors),
             "last_step": self._last_step,
             "speed_is_set": self._speed_is_set,
         }
@@ -193,7 +193,7 @@ class VehicleSlave(RailSlave):
         """Take back what :meth:`save` returned."""
         self._begin(
             VehicleState.of_vector(state["vector"]),
-            ForceHistory(state["ages"], state["forces"], float(state["extrapolation_error"])),
+            ForceHistory(state["ages"], state["forces"], tuple(state["extrapolation_errors"])),
         )
         self._last_step = float(state["last_step"])
         self._speed_is_set = bool(state["speed_is_set"])

@@ -19,7 +19,7 @@ import math
 from rail_vehicle.parameters import VehicleParameters
 
 LARGEST_EXTRAPOLATION_ERROR = 0.15
-"""Of :attr:`rail_vehicle.coupling.ForceHistory.extrapolation_error`."""
+"""Of the parabola, see :attr:`rail_vehicle.coupling.ForceHistory.extrapolation_errors`."""
 
 _YOUNGS_MODULUS, _POISSON_RATIO, _C11 = 2.1e11, 0.3, 4.1
 _SHEAR_MODULUS = 0.5 * _YOUNGS_MODULUS / (1.0 + _POISSON_RATIO)
