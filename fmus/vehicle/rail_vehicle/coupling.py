@@ -77,7 +77,7 @@ class ForceHistory:
 
     @classmethod
     def of_packed(cls, packed: Array) -> Self:
-        """Return the history of what :meth:`packed` gave: ``packed``, shape (HISTORY_COUNT,)."""
+        """Return the history of what :meth:`packed` gave: ``packed`` (HISTORY_COUNT,), s and N."""
         count = int(packed[0])
         forces = packed[4:PARABOLA_ERROR].reshape(3, -1, 6)
         parabola, line = (float(error) for error in packed[PARABOLA_ERROR:])
