@@ -20,7 +20,7 @@ DEFAULTS = VehicleParameters(
 )
 VEHICLES = parameter_sets(DEFAULTS)
 SEEDS = st.integers(0, 2**32 - 1)
-COUNTS = pytest.mark.parametrize("count", [8, pytest.param(300, marks=pytest.mark.slow)])
+COUNTS = pytest.mark.parametrize("count", [24, pytest.param(300, marks=pytest.mark.slow)])
 
 
 def drawn(count):

@@ -359,7 +359,7 @@ class VehicleModel:
         return setpoint
 
     def why(self, found: int, vector: Array, new: Array) -> str:
-        """Say why a step came no farther: ``found``, from ``vector`` to ``new``, (104,)."""
+        """Say why a step came no farther: ``found``; ``vector``, ``new`` (104,), SI units."""
         place = f"at position {vector[POSITION]:.3f} m"
         if found == BEYOND:
             return (
