@@ -34,6 +34,7 @@ OPTIONS = {
         "macro_step": NUMBER,
         "algorithm": "name",
         "record_every": COUNT,
+        "variables": "name",
         "out": "file",
         "plot": "picture",
         "animate": "picture",
