@@ -11,7 +11,7 @@ MODEL = TrackModel(TrackParameters(static_wheel_load=LOAD))
 
 
 def rolling(model, lateral=0.0):
-    """Yield states: at rest, and every millisecond of wheelsets at constant height."""
+    """Yield states: at rest, and every four milliseconds of wheelsets at constant height."""
     motion = np.zeros((model.parameters.wheelset_count, 11))
     motion[:, 0], motion[:, 1] = model.default_positions(), lateral
     motion[:, 5], motion[:, 10] = SPEED, -SPEED / 0.46
@@ -22,7 +22,7 @@ def rolling(model, lateral=0.0):
     for n in range(1, 800):
         state, _ = model.step(state, motion, STEP)
         motion[:, 0] += SPEED * STEP
-        if n % 10 == 0:
+        if n % 40 == 0:
             yield state
 
 

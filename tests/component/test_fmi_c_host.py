@@ -113,6 +113,7 @@ KNOWN = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("valgrind") is None, reason="needs valgrind")
 def test_valgrind_finds_no_wrong_use_of_memory(host, tmp_path):
     """No access to freed memory and no double free, from the load to the end of the process.

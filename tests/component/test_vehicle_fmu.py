@@ -8,7 +8,6 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from fmi_builds import folder, run_host
-from fmpy.validation import validate_fmu
 from rail_fmi.builder import build_fmu
 from rail_quantities.terminals import CONTACT
 from rail_vehicle import PAPER, ForceHistory, VehicleModel
@@ -28,10 +27,6 @@ def run(code, *more):
 
 def numbers(line):
     return np.array([float(word) for word in line.split()])
-
-
-def test_description_is_valid():
-    assert validate_fmu(str(vehicle_fmu())) == []
 
 
 def test_named_vehicles_are_parameter_files():

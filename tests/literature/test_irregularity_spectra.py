@@ -82,8 +82,8 @@ def test_filters_realise_the_formula_without_statistics(name, channel):
     ("name", "values", "origin"),
     [
         ("german_low", {}, 0.0),
-        ("german_low", {}, 1e6),
-        ("german_high", {"seed": 99}, 0.0),
+        pytest.param("german_low", {}, 1e6, marks=pytest.mark.slow),
+        pytest.param("german_high", {"seed": 99}, 0.0, marks=pytest.mark.slow),
         ("chinese_ballastless", {}, 1e6),
         ("german_low", {"shortest_wavelength": 0.3, "longest_wavelength": 30.0}, 0.0),
     ],

@@ -5,7 +5,7 @@ import pytest
 from runs import run
 
 PITCH = 8 * 0.629
-OPTIONS = ["--line", "HD", "--speed", 300, "--distance", 2 * PITCH, "--algorithm"]
+OPTIONS = ["--line", "HD", "--speed", 300, "--distance", 1.25 * PITCH, "--algorithm"]
 ITERATIVE = "iterative-gauss-seidel"
 
 

@@ -36,6 +36,7 @@ OPTIONS = {
         "record_every": COUNT,
         "variables": "name",
         "out": "file",
+        "variables": "names",
         "plot": "picture",
         "animate": "picture",
         "slow_motion": NUMBER,
@@ -83,6 +84,7 @@ def bad_values(kind, folder):
     read = (str(folder / "missing"), str(folder), str(empty), str(garbage), str(text))
     return {
         "name": ("no-such-thing",),
+        "names": ("no-such-thing", ",", ""),
         "study": ("no-such-thing", ""),
         "setting": (
             "",
@@ -156,22 +158,41 @@ LATER = {
 }
 
 
+def all_lines(command, option, folder, fmus):
+    values = bad_values(OPTIONS[command][option], folder)
+    return [argument(command, option, value, folder, fmus) for value in values]
+
+
+@pytest.fixture(scope="module")
+def sweeps(fmus, tmp_path_factory):
+    """Run all bad sweeps in a process of their own: Dask leaves traces in it."""
+    folders = {option: tmp_path_factory.mktemp(option) for option in OPTIONS["sweep"]}
+    lines = {option: all_lines("sweep", option, f, fmus) for option, f in folders.items()}
+    found = iter(fmus.call(invoke, [words for part in lines.values() for words in part]))
+    return {option: (folders[option], part, [next(found) for _ in part])
+            for option, part in lines.items()}  # fmt: skip
+
+
+MADE = {"empty", "garbage", "text", "spec.toml"}
+
+
 @pytest.mark.parametrize(("command", "option"), CASES)
-def test_bad_values_are_refused(command, option, tmp_path, fmus, nothing_runs, monkeypatch):
+def test_bad_values_are_refused(
+    command, option, tmp_path, fmus, nothing_runs, monkeypatch, request
+):
     if option in LATER.get(command, ()):
         monkeypatch.undo()
         monkeypatch.setenv("RAIL_COSIM_CACHE", str(fmus.cache))
-    values, dask = bad_values(OPTIONS[command][option], tmp_path), command == "sweep"
-    before = sorted(tmp_path.rglob("*"))
-    monkeypatch.chdir(tmp_path)
-    lines = [argument(command, option, value, tmp_path, fmus) for value in values]
-    # Dask leaves traces in a process.
-    found = fmus.call(invoke, lines) if dask else invoke(lines)
+    if command == "sweep":
+        folder, lines, found = request.getfixturevalue("sweeps")[option]
+    else:
+        monkeypatch.chdir(tmp_path)
+        folder, lines = tmp_path, all_lines(command, option, tmp_path, fmus)
+        found = invoke(lines)
     for words, (status, text, raised) in zip(lines, found, strict=True):
         shown = f"{words}: {status}\n{text}\n{raised}"
         assert status in (1, 2), shown
         assert not raised, shown
         assert "Traceback" not in text, shown
         assert 0 < len(text.strip().splitlines()) <= 12, shown
-    left = set(tmp_path.rglob("*")) - set(before)
-    assert {path.name for path in left} <= {"spec.toml"}, left
+    assert {path.name for path in folder.rglob("*")} <= MADE

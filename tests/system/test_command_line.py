@@ -111,7 +111,8 @@ def test_a_run_file_that_was_written_runs_as_its_command(fmus, tmp_path):
     done = fmus.command("run", *arguments, "--write-case", tmp_path / "case.toml")
     assert done.stdout == f"{tmp_path / 'case.toml'}\n"
     assert not (tmp_path / "one.nc").exists()
-    fmus.command("run", *arguments)
+    done = fmus.command("run", *arguments)
+    assert ESCAPE not in done.stdout + done.stderr  # this is no terminal
     fmus.command("run", tmp_path / "case.toml", "--out", tmp_path / "two.nc")
     first, second = (
         xr.load_dataset(tmp_path / f"{n}.nc", engine="h5netcdf") for n in ("one", "two")
@@ -161,8 +162,6 @@ def test_colours_in_a_terminal_only_and_not_with_no_color(fmus):
     colour = re.compile(ESCAPE + r"\[[0-9;]*3[0-9]m")
     assert colour.search(in_a_terminal(fmus, "run", *SHORT))
     assert not colour.search(in_a_terminal(fmus, "run", *SHORT, NO_COLOR="1"))
-    done = fmus.command("run", *SHORT)
-    assert ESCAPE not in done.stdout + done.stderr
 
 
 SWEEP = """

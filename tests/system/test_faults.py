@@ -46,7 +46,7 @@ def damage(path):
     path.write_bytes(content[: len(content) // 2])
 
 
-@pytest.mark.parametrize("what", ["built", "extracted", "arrays", "library"])
+@pytest.mark.parametrize("what", [["built"], ["extracted", "arrays", "library"]])
 def test_damaged_caches_are_made_anew_and_the_result_is_the_same(own, reference, tmp_path, what):
     names = {
         "built": "built/*/InfiniteSlabTrack.fmu",
@@ -54,10 +54,11 @@ def test_damaged_caches_are_made_anew_and_the_result_is_the_same(own, reference,
         "arrays": "arrays/*/*.npy",
         "library": "packages/*/rail_vehicle/native/*",
     }
-    files = list(own.cache.glob(names[what]))
-    assert files
-    for path in files:
-        damage(path)
+    for name in what:
+        files = list(own.cache.glob(names[name]))
+        assert files
+        for path in files:
+            damage(path)
     own.command("run", *SHORT, "--out", tmp_path / "run.nc")
     assert (force_of(tmp_path / "run.nc") == reference).all()
 

@@ -291,7 +291,7 @@ def run(
 
 def split(texts: list[str]) -> list[str]:
     """Return the names in texts separated by commas."""
-    return [name.strip() for text in texts for name in text.split(",") if name.strip()]
+    return [name.strip() for text in texts for name in text.split(",")]
 
 
 def _options(values: dict[str, Any]) -> RunOptions:
