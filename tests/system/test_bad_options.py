@@ -34,7 +34,6 @@ OPTIONS = {
         "macro_step": NUMBER,
         "algorithm": "name",
         "record_every": COUNT,
-        "variables": "name",
         "out": "file",
         "variables": "names",
         "plot": "picture",
