@@ -206,6 +206,7 @@ def test_midspan_receptance_peaks_at_the_pinned_pinned_frequency():
 # --- time stepping
 
 
+@pytest.mark.slow
 def test_time_stepping_agrees_with_radau_on_the_same_semidiscrete_equations():
     track = replace(HD, rail_elements_per_bay=2, slab_mode_count=6)
     wheel, speed, margin = SingleWheel(), 300 * KMH, 2.5
@@ -313,6 +314,7 @@ def amplitude(track: ReferenceTrack, speed_kmh: float = 300.0, **options: float)
     return float(run.amplitude(run.wheel_force)[0, 0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [40e6, pytest.param(200e6, marks=pytest.mark.slow)])
 def test_amplitude_converges_with_the_rail_mesh(stiffness):
     track = replace(HD, pad_stiffness=stiffness)
@@ -321,6 +323,7 @@ def test_amplitude_converges_with_the_rail_mesh(stiffness):
     assert abs(eight - sixteen) < 5e-4 * sixteen
 
 
+@pytest.mark.slow
 def test_amplitude_converges_with_the_step():
     rough, middle, fine = (amplitude(HD, step=h) for h in (1e-4, 5e-5, 2.5e-5))
     assert abs(middle - fine) < 5e-4 * fine
@@ -336,6 +339,7 @@ def test_amplitude_converges_with_the_slab_mesh_and_modes():
     assert amplitude(replace(track, slab_mode_count=30)) == pytest.approx(base, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_line_ends_and_start_do_not_matter():
     base = amplitude(HD)
     assert amplitude(HD, margin=20.0) == pytest.approx(base, rel=1e-4)

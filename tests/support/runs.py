@@ -39,7 +39,7 @@ class Run:
 
 def run(product: Product, folder: Path, *arguments: object) -> Run:
     """Run the command line with these arguments and read its file."""
-    done = product.command("run", *arguments, "--out", folder / "run.nc")
+    done = product.invoke("run", *arguments, "--out", folder / "run.nc")
     with xr.open_dataset(folder / "run.nc", engine="h5netcdf") as file:
         return Run(file.load(), done.stdout, done.stderr, folder)
 

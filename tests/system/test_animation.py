@@ -24,7 +24,7 @@ def test_film_lasts_as_long_as_asked_for(filmed):
 
 
 def test_filming_changes_nothing(fmus, filmed):
-    fmus.command("run", *COMMON, "--out", filmed / "plain.nc")
+    fmus.invoke("run", *COMMON, "--out", filmed / "plain.nc")
     with (
         xr.open_dataset(filmed / "run.nc", engine="h5netcdf") as run,
         xr.open_dataset(filmed / "plain.nc", engine="h5netcdf") as plain,

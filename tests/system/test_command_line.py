@@ -36,7 +36,7 @@ def test_help_of_a_command_has_examples_that_parse(fmus, name):
 
 
 def test_help_of_run_groups_its_options(fmus):
-    text = fmus.command("run", "--help").stdout
+    text = fmus.invoke("run", "--help").stdout
     groups = [line for line in text.splitlines() if re.fullmatch(r"[A-Z].*:", line)]
     assert "Motion:" in groups
     assert "Irregularity:" in groups
@@ -77,7 +77,7 @@ def test_a_wrong_command_line_gets_one_plain_message_and_status_2(fmus, case):
 
 def test_status_1_if_the_result_cannot_be_written(fmus, tmp_path):
     (tmp_path / "file").touch()
-    done = fmus.command("run", *SHORT, "--out", tmp_path / "file" / "run.nc", status=(1,))
+    done = fmus.invoke("run", *SHORT, "--out", tmp_path / "file" / "run.nc", status=(1,))
     assert "cannot be written" in done.stderr
 
 
@@ -96,7 +96,7 @@ track.fastener.vertical_stiffness = 140e6
 def test_a_run_file_and_the_command_line_wins(fmus, tmp_path):
     (tmp_path / "case.toml").write_text(CASE)
     arguments = ["--distance", 2, "--set", "track.slab.mode_count=7"]
-    fmus.command("run", tmp_path / "case.toml", *arguments)
+    fmus.invoke("run", tmp_path / "case.toml", *arguments)
     with xr.open_dataset(tmp_path / "case.nc", engine="h5netcdf") as data:
         about = data.attrs
         assert about["speed_km_h"] == pytest.approx(250.0)
@@ -108,12 +108,12 @@ def test_a_run_file_and_the_command_line_wins(fmus, tmp_path):
 
 def test_a_run_file_that_was_written_runs_as_its_command(fmus, tmp_path):
     arguments = ["--speed", 250, *SHORT, "--out", tmp_path / "one.nc"]
-    done = fmus.command("run", *arguments, "--write-case", tmp_path / "case.toml")
+    done = fmus.invoke("run", *arguments, "--write-case", tmp_path / "case.toml")
     assert done.stdout == f"{tmp_path / 'case.toml'}\n"
     assert not (tmp_path / "one.nc").exists()
-    done = fmus.command("run", *arguments)
+    done = fmus.invoke("run", *arguments)
     assert ESCAPE not in done.stdout + done.stderr  # this is no terminal
-    fmus.command("run", tmp_path / "case.toml", "--out", tmp_path / "two.nc")
+    fmus.invoke("run", tmp_path / "case.toml", "--out", tmp_path / "two.nc")
     first, second = (
         xr.load_dataset(tmp_path / f"{n}.nc", engine="h5netcdf") for n in ("one", "two")
     )
@@ -124,7 +124,7 @@ def test_quiet_says_nothing_unless_something_is_wrong(fmus, tmp_path):
     done = fmus.command("run", *SHORT, "--quiet", "--out", tmp_path / "run.nc")
     assert (done.stdout, done.stderr) == ("", "")
     assert (tmp_path / "run.nc").exists()
-    done = fmus.command("run", "-q", "--speed", -3, status=(2,))
+    done = fmus.invoke("run", "-q", "--speed", -3, status=(2,))
     assert done.stdout == ""
     assert "--speed = -3" in done.stderr
 

@@ -16,7 +16,7 @@ SHORT = ["--distance", 2, "--set", "track.window.slab_count=8", "--set", "track.
 @pytest.fixture(scope="module")
 def reference(fmus, tmp_path_factory):
     path = tmp_path_factory.mktemp("reference") / "run.nc"
-    fmus.command("run", *SHORT, "--out", path)
+    fmus.invoke("run", *SHORT, "--out", path)
     return force_of(path)
 
 

@@ -61,7 +61,7 @@ def test_a_rail_joint_and_a_spectrum_are_felt(fmus, tmp_path):
 
 
 def test_an_unknown_irregularity_is_told_with_the_names(fmus):
-    done = fmus.command("run", "--irregularity", "german_lo", status=(2,))
+    done = fmus.invoke("run", "--irregularity", "german_lo", status=(2,))
     assert "did you mean german_low or german_high?" in done.stderr
     assert "chinese_ballastless, rail_joint" in done.stderr
 

@@ -12,7 +12,7 @@ def run(fmus, tmp_path_factory):
     path = tmp_path_factory.mktemp("report") / "run.nc"
     settings = ["--set", "track.fastener.vertical_stiffness=60e6"]
     arguments = ["--line", "HD", "--speed", 290, "--distance", 14, "--out", path]
-    fmus.command("run", *arguments, *settings)
+    fmus.invoke("run", *arguments, *settings)
     return path
 
 

@@ -40,7 +40,7 @@ def test_it_is_announced_before_it_runs_unless_it_is_trusted(fmus, wheelset):
 
 def test_another_count_than_the_vehicles_is_refused(fmus, wheelset):
     options = ["--vehicle", wheelset, "--set", "track.wheelset_count=4", "--distance", 1]
-    done = fmus.command("run", *options, status=(2,))
+    done = fmus.invoke("run", *options, status=(2,))
     assert "track.wheelset_count = 4: the vehicle FMU has 1 wheelset; omit it" in done.stderr
 
 

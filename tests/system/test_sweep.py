@@ -76,7 +76,7 @@ def test_a_point_is_the_run_of_its_parameters(fmus, two_by_two, tmp_path):
         "track.integration.maximum_step=2e-4",
     ):
         arguments += ["--set", setting]
-    fmus.command("run", *arguments, "--out", tmp_path / "run.nc")
+    fmus.invoke("run", *arguments, "--out", tmp_path / "run.nc")
     run = loaded(tmp_path / "run.nc")
     at = two_by_two[0].sel({"speed": 200, STIFFNESS: 140e6})
     assert run.attrs["steady"] == 1

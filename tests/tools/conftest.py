@@ -44,7 +44,7 @@ def pair(fmus, tmp_path_factory) -> Pair:
     fmus.command("build", "--at-rest", "--out", folder)
     path = folder / "reference.nc"
     system = folder / "VehicleOnSlabTrack.ssp"
-    fmus.command("run", system, "--algorithm", "jacobi", "--distance", WAY, "--out", path)
+    fmus.invoke("run", system, "--algorithm", "jacobi", "--distance", WAY, "--out", path)
     with xr.open_dataset(path, engine="h5netcdf") as file:
         records = file.load()
     assert records.sizes["time"] == STEPS + 1
